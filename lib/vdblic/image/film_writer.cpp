@@ -165,7 +165,7 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, const glm::ivec2& size
     mInput = toInput;
     mMessages = fromMessages;
     if (error == 0) {
-        rlimit data{}; // a tool's limit is its own, and ffmpeg takes more than the least one
+        rlimit data{}; // lifts the tool's own limit: ffmpeg may need more
         ::getrlimit(RLIMIT_DATA, &data);
         data.rlim_cur = data.rlim_max;
         ::prlimit(mProcess, RLIMIT_DATA, &data, nullptr);

@@ -46,7 +46,7 @@ struct Background {
 };
 [[nodiscard]] Parameters parametersOf(Background& params);
 
-/// What an .exr file can hold besides colour and alpha.
+/// The layers of an .exr file besides colour and alpha.
 enum class ImageLayer { kDepth, kNormal, kDriver, kTexture, kSamples };
 
 /// `depth`, `normal`, `magnitude` (the scalar that colours), `texture`, `samples`, or `all`. @throws ParameterError on
@@ -72,8 +72,8 @@ struct ExrParams {
 [[nodiscard]] std::string encodeExr(const Image& image, const ImageHeader& header, const Background& background,
                                     const ExrParams& params = {});
 /// The picture as displayed: 8-bit sRGB, toneMapped(), annotations over it and the background's colour behind it; red,
-/// green and blue of each pixel, rows from the top. Background and annotations have their colours: the curve leaves
-/// what is no brighter than the background as it is.
+/// green and blue of each pixel, rows from the top. Background and annotations keep their colours: the tone curve
+/// leaves values up to the background's brightness unchanged.
 [[nodiscard]] std::string displayBytes(const Image& image, const Background& background);
 /// The bytes of a .png file that shows displayBytes().
 [[nodiscard]] std::string encodePng(const Image& image, const Background& background);
