@@ -65,7 +65,7 @@ class TransferFunction {
 
     /// Whether any value between two bounds of the scalar that opacity follows has an opacity above 0.
     [[nodiscard]] bool contributes(float low, float high) const;
-    /// Whether all values between two bounds do.
+    /// Whether all values between two bounds have an opacity above 0.
     [[nodiscard]] bool contributesThroughout(float low, float high) const;
 
   private:
