@@ -44,8 +44,8 @@ class Labels {
     [[nodiscard]] glm::dvec2 extent(const std::string& text) const; ///< of a text [pixels]
     /// Keep labels out of an area.
     void keepFree(const LabelArea& area) { mTaken.push_back(area); }
-    /// Write texts if they have room beside each other, and half of them or more beside what is there already; the
-    /// others are left out of the list. @return whether they are written
+    /// Write texts if they do not overlap each other, and half of them or more are clear of earlier texts. The others
+    /// are removed from the list. @return whether they are written
     bool write(std::vector<Label>& labels);
 
   private:

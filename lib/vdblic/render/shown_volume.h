@@ -14,8 +14,8 @@
 
 namespace vdblic {
 
-/// A frame as a look shows it, without what depends on the camera: pictures from several eyes share it. Immutable; any
-/// number of threads may read.
+/// The camera-independent data of a frame under a look: pictures from several eyes share it. Immutable; any number of
+/// threads may read.
 class ShownVolume {
   public:
     /// @param look  of the pictures

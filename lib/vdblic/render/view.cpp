@@ -103,7 +103,7 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
     return points;
 }
 
-/// Points around what a look shows of a frame.
+/// World-space points around the visible part of a frame.
 std::vector<glm::dvec3> visiblePoints(const LoadedTexture& frame, const Look& look, const ClipParams& clip,
                                       Exchange& exchange)
 {
