@@ -77,7 +77,7 @@ int main(int argc, char** argv)
             checkReport(json);
         }
         AdvectParams run;
-        const Parameters advised = parametersOf(run); // what the advice is about
+        const Parameters advised = parametersOf(run); // parameters that the advice names
         std::vector<SequenceInfo> sequences;
         const std::string frames = params.flow.input.frames;
         for (const SequenceParams& sequence : sequencesNamed(patterns)) {
