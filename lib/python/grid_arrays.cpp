@@ -134,7 +134,7 @@ openvdb::math::Transform::Ptr transformOf(const py::object& matrix)
     throw ParameterError("`transform` flattens space, or is not finite; give the voxels a size");
 }
 
-/// A member of a grid's dictionary. @param kind what it must be
+/// A member of a grid's dictionary. @param kind the required type
 template<typename T>
 T memberOf(const py::dict& dictionary, const char* key, const char* kind)
 {

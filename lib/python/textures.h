@@ -17,7 +17,7 @@
 
 namespace vdblic::python {
 
-/// The parameters of a run, except of its files.
+/// The parameters of a run without its files.
 [[nodiscard]] Parameters advectParameters(AdvectParams& params);
 
 /// The textures of a velocity sequence, one after the other, from files or from volumes of Python, to volumes of
