@@ -71,7 +71,7 @@ struct PictureRays {
 /// up, and its direction by −perDepth times that. All rays of a point of the picture thus meet in the focal plane.
 struct Lens {
     glm::dvec3 right, up; ///< as long as the lens's radius [world]
-    double perDepth;      ///< 1 over the depth of the focal plane, that of the target
+    double perDepth;      ///< reciprocal depth of the focal plane, through the target
 };
 
 /// A rectangle of a picture [pixels].

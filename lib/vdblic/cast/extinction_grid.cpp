@@ -81,7 +81,7 @@ void ExtinctionGrid::sum(const TextureVolume& volume, const Look& look, Exchange
         if (!volume.isOwn(leaf) || volume.shown(leaf).isOff() || !look.contributes(volume.leafRange(leaf))) return;
         addExtinctions(volume, look, leaf, volume.origin(leaf) - mOrigin, mCell, mDim, sums.data());
     };
-    // A cell that is larger than a leaf gets the sums of several, one after the other.
+    // A cell larger than a leaf adds up several leaves.
     if (mCell <= LeafVoxel::kDim) {
         tbb::parallel_for(std::size_t(0), volume.leafCount(), addLeaf);
     } else {

@@ -31,7 +31,7 @@ constexpr int kMostAcross = 192; // points of the lattice under the domain's lon
 constexpr int kKeyDirections = 16, kOpenDirections = 32;
 constexpr double kKeyRadius = 0.06; // of the key light's disc, at distance 1
 constexpr double kReach = 1 / 4.0;  // of occlusion, in mean edges of the domain
-constexpr double kFarthest = 2.5;   // reaches after which nothing occludes
+constexpr double kFarthest = 2.5;   // reaches beyond which matter does not occlude
 constexpr float kKeyShare = 0.6f;   // of the light of an open ground
 constexpr std::size_t kMostSolidCells = 1 << 20;
 
@@ -40,7 +40,7 @@ using Directions = std::array<glm::dvec3, kLanes>;
 
 /// Directions whose projections are spread evenly over a disc (Vogel's spiral 1979).
 /// @param axis of the disc, of length 1
-/// @param radius of a disc at distance 1; nothing: a hemisphere, whose density has Lambert's cosine
+/// @param radius of a disc at distance 1; nullopt: a hemisphere with a density of Lambert's cosine
 std::vector<Directions> directionsAround(const glm::dvec3& axis, std::optional<double> radius, int count)
 {
     const glm::dvec3 other = std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -127,7 +127,7 @@ void trace(const LightWays& ways, const glm::dvec3& point, Float8& left)
     }
     if (!anyOf(enter < leave)) return;
 
-    // The last step of a way is shorter.
+    // The last step of a ray is shorter.
     const auto step = float(medium.step);
     Float8 sum{}, most{};
     const Float8 steps = (leave - enter) / step;

@@ -18,9 +18,9 @@ struct Solid;
 /// Ambient occlusion: how much ambient light arrives in each cell of an ExtinctionGrid. It does not depend on the
 /// camera.
 ///
-/// Ambient light comes from fourteen directions (Lebedev's quadrature of degree 5, 1976). Optical depth decays along
-/// its way, so that only near matter occludes. A factor is relative to the mean over all visible cells: occlusion gives
-/// form and keeps the picture's brightness. Immutable; any number of threads may read.
+/// Ambient light comes from fourteen directions (Lebedev's quadrature of degree 5, 1976). Optical depth decays with the
+/// distance, so that only near matter occludes. A factor is relative to the mean over all visible cells: occlusion
+/// gives form and keeps the picture's brightness. Immutable; any number of threads may read.
 class AmbientLight {
   public:
     /// @param visible extinctions of the volume

@@ -162,7 +162,7 @@ openvdb::FloatGrid::Ptr asLevelSet(const openvdb::GridBase& grid, const std::str
 /// Refuse a mesh that is far too large for the texture's voxels. @param mesh in index space
 void checkExtent(const TriangleMesh& mesh, const std::filesystem::path& path)
 {
-    constexpr float kMostDistance = 1 << 24; // single precision still tells voxels apart
+    constexpr float kMostDistance = 1 << 24; // whole voxels are exact in single precision
     double voxels = 0;
     for (const openvdb::Vec3I& corners : mesh.triangles) {
         const openvdb::Vec3s a = mesh.points[corners[0]], b = mesh.points[corners[1]], c = mesh.points[corners[2]];

@@ -66,7 +66,7 @@ class Caster {
     {
     }
 
-    /// The ray through a pixel; nothing if cuts leave nothing of it. @param end depth of the surface behind
+    /// The ray through a pixel; nullopt if it is cut away. @param end depth of the surface behind
     [[nodiscard]] std::optional<TubeRay> rayOf(const PixelRays::Line& pixel, double end) const
     {
         const DepthSpan span(pixel, end, mCuts);

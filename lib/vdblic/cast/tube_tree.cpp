@@ -25,7 +25,7 @@ Vec3 placeOf(const Tubes::Point& point)
 
 /// The hull of two spheres.
 struct RoundCone {
-    Vec3 a, axis;         // centre of the first sphere, and the way to the second one's
+    Vec3 a, axis;         // centre of the first sphere, and the vector to the second one's
     float radius, shrink; // of the first sphere; by how much the second one is smaller
     float square;         // of the axis' length
 

@@ -31,7 +31,7 @@ class TubeTree {
     struct Hit {
         float distance;
         std::uint32_t cone;
-        float share;     ///< of the way from the cone's first point to its second
+        float share;     ///< position between the cone's first point, 0, and its second, 1
         float alpha;     ///< of the tube
         float normal[3]; ///< outward, of length 1
     };

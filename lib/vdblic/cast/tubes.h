@@ -61,7 +61,7 @@ class Tubes : public PlacedBox {
     /// From the picture's world to the tubes' own space, whose unit is about a voxel.
     [[nodiscard]] const glm::dmat4& worldToTubes() const { return mWorldToTubes; }
     [[nodiscard]] double unitsPerWorld() const { return mUnitsPerWorld; }
-    /// A value on a cone. @param values one a point; a NaN at one end gives way to the other end
+    /// A value on a cone. @param values one a point; if one end is NaN, the other end's
     [[nodiscard]] static float valueAt(const std::vector<float>& values, std::uint32_t first, float share);
     [[nodiscard]] const std::vector<float>& drivers() const { return mValues.driver; }
     [[nodiscard]] const std::vector<float>& colors() const { return mValues.color; }

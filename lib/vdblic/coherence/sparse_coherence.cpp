@@ -24,7 +24,7 @@ namespace {
 using openvdb::Coord;
 
 constexpr float kVisible = 0.15f;
-constexpr float kHalf = 0.5f; // of a value: less is not the same streak
+constexpr float kHalf = 0.5f; // of a value: a smaller one is another streak
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr int kBlock = 512; // points: one sum for each block, so that additions have one order
 

@@ -39,7 +39,7 @@ struct SparseTexture {
 ///
 /// @param next     the successor; null if there is none
 /// @param forward  velocity over the step, on the velocity's own voxels, in voxels of the velocity per step
-/// @param backward the same against time, from the successor's time on; null if there is no successor
+/// @param backward velocity against time, from the successor's time on; null if there is no successor
 /// Computed in parallel; the result is bit-identical for any number of threads. @throws ParameterError
 [[nodiscard]] SparseCoherence measureSparse(const SparseTexture& texture, const SparseTexture* next,
                                             const VelocityField& forward, const VelocityField* backward,

@@ -15,7 +15,7 @@ struct SparseFigures {
     double samePlace; ///< correlation with the successor at the same position
     double
         vanishing; ///< share of visible voxels that the successor has neither there nor where the flow carries them to
-    double appearing;   ///< share of visible voxels of the successor for which the same holds against time
+    double appearing;   ///< share of the successor's visible voxels that vanish against time
     double lowApart;    ///< 1st percentile of the distance of a head to the next one [spacings]; 1 where none is nearer
     double medianApart; ///< median of this distance
 };

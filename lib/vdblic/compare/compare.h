@@ -32,7 +32,7 @@ struct CompareParams {
     double failPercent = 0;           ///< share of the compared voxels that may fail [%]
     bool inactive = false;            ///< also compare inactive voxels where either grid differs from its background
     double transformTolerance = 1e-3; ///< largest shift of a voxel between the transforms [voxels]
-    std::vector<std::string> ignoredMetadata = creationMetadata(); ///< names; a last `*` stands for any rest
+    std::vector<std::string> ignoredMetadata = creationMetadata(); ///< names; a final `*` matches any ending
 
     /// @throws ParameterError naming the parameter, its value and its range
     void validate() const;

@@ -89,7 +89,7 @@ struct PointDifference {
     [[nodiscard]] Verdict verdict() const;
 };
 
-/// How two grids of the same name differ.
+/// The differences of two grids of the same name.
 struct GridDifference {
     std::string name;
     int occurrence = 0;       ///< 0 for the first grid of this name in its file

@@ -66,7 +66,7 @@ bool visitBoxes(std::ifstream& file, std::uint64_t begin, std::uint64_t end, con
     return true;
 }
 
-/// Why nothing can be added to a file, such as a full disk: ffmpeg does not tell. Empty if something can.
+/// The reason why a file cannot grow, such as a full disk, which ffmpeg does not report. Empty if it can.
 std::string writeFault(const std::filesystem::path& path)
 {
     const int file = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);

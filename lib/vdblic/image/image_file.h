@@ -35,7 +35,7 @@ struct ImageHeader {
 struct Background {
     glm::dvec3 color{0.04, 0.05, 0.07}; ///< at the bottom, from where it changes evenly to `top`
     double alpha = 0;
-    std::optional<glm::dvec3> top{}; ///< nothing: one colour all over
+    std::optional<glm::dvec3> top{}; ///< unset: one colour for all rows
 
     /// As displayed. @param down share of the picture's height, 0 at its top to 1
     [[nodiscard]] glm::dvec3 at(double down) const;

@@ -122,7 +122,7 @@ struct Look {
 /// neither on the camera nor on the frame.
 /// @param samples   of one frame or of several
 /// @param thickness [voxels], of lines the tubes that are met
-/// @param ofLines   whether the texture is the opacity of lines, which nothing stretches
+/// @param ofLines   whether the texture is the opacity of lines, which is not stretched
 /// @throws ParameterError; InputError if there is no sample
 [[nodiscard]] Look chooseLook(const LookParams& params, const VolumeSamples& samples, double thickness,
                               bool ofLines = false);

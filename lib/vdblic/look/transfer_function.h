@@ -25,7 +25,7 @@ class TransferFunction {
     };
 
     /// Curves are constant before their first point and after their last one.
-    /// @param params with opacity and range set; without an opacity range, range is that of both
+    /// @param params with opacity and range set; without an opacity range, both scalars have `range`
     /// @throws ParameterError
     explicit TransferFunction(const TransferParams& params);
 

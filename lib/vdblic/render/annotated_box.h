@@ -35,7 +35,7 @@ struct Label {
 /// Writes texts into a picture, none over another and none over its border.
 class Labels {
   public:
-    /// @param canvas outlives this; its font is that of all labels  @param textSize [pixels]
+    /// @param canvas outlives this; its font is for all labels  @param textSize [pixels]
     Labels(const CairoCanvas& canvas, const glm::dvec2& size, double textSize)
         : mCanvas(canvas), mSize(size), mTextSize(textSize)
     {

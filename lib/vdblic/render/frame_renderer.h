@@ -25,7 +25,7 @@ struct RenderedFrame {
     bool hasColor = true;
     std::size_t unusableVoxels = 0;
     double leftOut = 0;        ///< share of the frame's box inside the solid `domain`
-    std::string nothingSeen{}; ///< why the image shows nothing; empty if it shows something
+    std::string nothingSeen{}; ///< why the image shows nothing; else an empty text
     std::optional<TextureHistograms> histograms{};
     bool skipped = false, wasDamaged = false; ///< the image that was there
     std::string film{};                       ///< displayBytes() of the image, for a film

@@ -159,7 +159,7 @@ View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const L
 
 namespace {
 
-/// A rank's part of a frame; nothing for a process alone.
+/// A rank's part of a frame; nullopt for a single process.
 std::optional<BoxShare> boxOf(const FrameFile& file, const std::string& grid, const Exchange& exchange)
 {
     if (exchange.isAlone()) return std::nullopt;

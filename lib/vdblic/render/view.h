@@ -76,7 +76,7 @@ struct ViewSource {
     Corners box;                       ///< around all frames, stretched
     std::vector<FrameFile> lookFrames; ///< a few of them, the first one with an active voxel
 };
-/// By the headers of all files on disk, whichever are selected; nothing if none has an active voxel.
+/// From the headers of all files on disk, selected or not; nullopt if none has an active voxel.
 [[nodiscard]] std::optional<ViewSource> viewSource(const SequenceParams& input, const PicturePlan& plan);
 
 /// A view, and the frame that was read to make it if the sequence has no other.
@@ -85,7 +85,7 @@ struct SequenceView {
     std::shared_ptr<const LoadedTexture> onlyFrame; ///< null if ranks share it
 };
 
-/// The view of viewSource(); nothing if none of its frames has an active voxel.
+/// The view of viewSource(); nullopt if none of its frames has an active voxel.
 /// @param exchange of ranks that each read a part of the frames; collective
 [[nodiscard]] std::optional<SequenceView> viewOfSequence(const RenderPlan& plan, Exchange& exchange);
 
