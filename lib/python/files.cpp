@@ -130,7 +130,7 @@ std::vector<std::pair<std::int64_t, std::filesystem::path>> filesOf(const Sequen
     return files;
 }
 
-/// The metadata of a file, completed by that of its grids.
+/// The metadata of a file, completed by its grids' metadata.
 py::dict metadataOf(const VdbFile& file)
 {
     openvdb::MetaMap found;

@@ -110,7 +110,7 @@ std::optional<py::array> asArray(const py::handle& value)
 {
     try {
         return py::array(py::module_::import("numpy").attr("asarray")(value));
-    } catch (const py::error_already_set& error) { // but an interruption goes on
+    } catch (const py::error_already_set& error) { // an interruption is rethrown
         if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
         return std::nullopt;
     }

@@ -61,7 +61,7 @@ class __attribute__((visibility("hidden"))) Textures : private RunObserver { // 
     std::optional<Checkpoint> mResumed; // until the run goes on from it
     std::istringstream mNoLines;        // of standard input
     std::optional<TextureRun> mRun;
-    std::optional<TextureRun::Iterator> mNext; // nothing before the first
+    std::optional<TextureRun::Iterator> mNext; // nullopt before the first
     std::int64_t mTaken = 0;                   // frames of the iterator
     std::optional<std::int64_t> mFirst;
     struct Step {
