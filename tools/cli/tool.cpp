@@ -297,7 +297,7 @@ std::optional<int> Tool::parse(int argc, char** argv)
     return std::nullopt;
 }
 
-/// Let no rank begin while another's command line asks for no job, or has a mistake. @param told of this rank's
+/// Stop all ranks if one rank's command line requests no job, or has a mistake. @param told of this rank's
 /// @return the status to end with. @throws ParameterError at rank 0, which prints
 std::optional<int> Tool::agreed(std::optional<int> told)
 {
