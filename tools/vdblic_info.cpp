@@ -37,7 +37,7 @@ std::vector<std::string> commandsFor(const SequenceInfo& info, const SequencePar
                                     std::max(plan.seconds, 1.0)));
         for (const std::string& command : commandsOf(plan, "texture.%04d.vdb"))
             lines.push_back("  the film step by step: " + command);
-    } catch (const InputError&) { // the advice says what is wrong
+    } catch (const InputError&) { // the advice names the error
         lines.clear();
     }
     return lines;
@@ -77,7 +77,7 @@ int main(int argc, char** argv)
             checkReport(json);
         }
         AdvectParams run;
-        const Parameters advised = parametersOf(run); // what the advice is about
+        const Parameters advised = parametersOf(run); // parameters that the advice names
         std::vector<SequenceInfo> sequences;
         const std::string frames = params.flow.input.frames;
         for (const SequenceParams& sequence : sequencesNamed(patterns)) {

@@ -26,8 +26,7 @@ void serve(vdblic::view::WebServer& server, const vdblic::Reporter& reporter)
     serving.join();
 }
 
-/// Bytes for frames that were read. Several viewers may run beside other work, so without a limit of their own they
-/// take little.
+/// Bytes for the cache of frames. Several viewers may run beside other work, so the default without a limit is small.
 double cacheBytes(const CLI::App& app)
 {
     constexpr double kUsual = 2e9;

@@ -10,17 +10,16 @@
 
 namespace vdblic::python {
 
-/// Who called from Python: gets progress and messages, and ends a computation by Ctrl-C. May be used without Python's
-/// lock.
+/// The Python caller: receives progress and messages, and stops a computation on Ctrl-C. Usable without Python's lock.
 class __attribute__((visibility("hidden"))) Caller : public Reporter { // as the function it holds
   public:
-    /// @param tell called with `said` or `warned` and a message, or with `progress`, what is done, and of how much
+    /// @param tell called with `said` or `warned` and a message, or with `progress`, the steps done and their number
     explicit Caller(pybind11::function tell) : mTell(std::move(tell)) {}
 
     void progress(std::size_t done, std::size_t total) override;
     void say(std::string_view message) override { tell("said", message); }
     void warn(std::string_view message) override { tell("warned", message); }
-    /// @throws pybind11::error_already_set of what a signal raised
+    /// @throws pybind11::error_already_set if a signal handler raised
     [[nodiscard]] bool stopRequested() const override;
 
   private:

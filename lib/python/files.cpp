@@ -77,7 +77,7 @@ class CheckedInput : public std::istream {
     explicit CheckedInput(py::function check) : std::istream(nullptr), mBuffer(std::move(check))
     {
         rdbuf(&mBuffer);
-        exceptions(badbit); // what the buffer throws passes through the stream
+        exceptions(badbit); // the stream rethrows the buffer's exceptions
     }
 
   private:
@@ -130,7 +130,7 @@ std::vector<std::pair<std::int64_t, std::filesystem::path>> filesOf(const Sequen
     return files;
 }
 
-/// The metadata of a file, completed by that of its grids.
+/// The metadata of a file, completed by its grids' metadata.
 py::dict metadataOf(const VdbFile& file)
 {
     openvdb::MetaMap found;
@@ -241,7 +241,7 @@ py::dict readBox(const std::filesystem::path& reference)
     return result;
 }
 
-/// Raise an error of the module. What quotes a file need not be UTF-8, which Python wants.
+/// Raise an error of the module. Text quoted from a file may be invalid UTF-8, which Python refuses.
 void raiseAs(const char* type, const Error& error)
 {
     PyErr_SetString(py::module_::import("vdblic._core").attr(type).ptr(),

@@ -110,7 +110,7 @@ std::optional<py::array> asArray(const py::handle& value)
 {
     try {
         return py::array(py::module_::import("numpy").attr("asarray")(value));
-    } catch (const py::error_already_set& error) { // but an interruption goes on
+    } catch (const py::error_already_set& error) { // an interruption is rethrown
         if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
         return std::nullopt;
     }
@@ -134,7 +134,7 @@ openvdb::math::Transform::Ptr transformOf(const py::object& matrix)
     throw ParameterError("`transform` flattens space, or is not finite; give the voxels a size");
 }
 
-/// A member of a grid's dictionary. @param kind what it must be
+/// A member of a grid's dictionary. @param kind the required type
 template<typename T>
 T memberOf(const py::dict& dictionary, const char* key, const char* kind)
 {

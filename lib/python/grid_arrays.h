@@ -12,7 +12,7 @@ namespace vdblic::python {
 
 /// Whether a grid holds floats, doubles or vectors of them, on a linear transform.
 [[nodiscard]] bool isOfNumbers(const openvdb::GridBase& grid);
-/// Whether toDictionary() takes a grid: one of numbers, or of 32-bit integers on a linear transform.
+/// Whether toDictionary() accepts a grid: floats, doubles, vectors or 32-bit integers on a linear transform.
 [[nodiscard]] bool hasArrays(const openvdb::GridBase& grid);
 
 /// A linear transform as a matrix, 4 × 4, on columns.
@@ -20,26 +20,26 @@ namespace vdblic::python {
 
 /// A grid of numbers as a dictionary: `name`, `values` (x, y, z[, 3]) and `active` (x, y, z) over a box, `origin`
 /// (index of the first value), `transform` (4 × 4, on columns), `staggered`, `metadata`.
-/// @param box that of its active voxels unless given
+/// @param box by default the box of the active voxels
 /// @throws InputError if the box does not fit in memory
 [[nodiscard]] pybind11::dict toDictionary(const openvdb::GridBase& grid,
                                           const std::optional<openvdb::CoordBBox>& box = {});
 
-/// The grid of such a dictionary. Arrays of single precision in C order are read where they are.
-/// @throws ParameterError naming the grid and what is wrong
+/// The grid of such a dictionary. Arrays of single precision in C order are not copied.
+/// @throws ParameterError naming the grid and the error
 [[nodiscard]] openvdb::GridBase::Ptr toGrid(const pybind11::dict& dictionary);
 
-/// The streaks of a volume as Python holds them: the grid, which its arrays are read from.
+/// A handle of Python on a volume's streaks: holds the grid, from which their arrays are read.
 struct __attribute__((visibility("hidden"))) StoredLines {
     openvdb::GridBase::Ptr grid;
 };
 [[nodiscard]] bool isOfLines(const openvdb::GridBase& grid);
 
-/// Grids as Python takes them: dictionaries, and StoredLines. Grids of other types are left out.
+/// Grids for Python: dictionaries, and StoredLines. Grids of other types are skipped.
 [[nodiscard]] pybind11::list toList(openvdb::GridPtrVec grids);
 
-/// A volume of such a list. @param name of it in messages; may be empty
-/// @throws ParameterError naming the volume, the grid and what is wrong
+/// A volume of such a list. @param name in messages; may be empty
+/// @throws ParameterError naming the volume, the grid and the error
 [[nodiscard]] VdbFile toVolume(const pybind11::list& grids, const pybind11::dict& metadata, const std::string& name);
 
 /// Metadata as values of Python, which toMetadata() makes the same metadata of: bool, str, int (64 bits), float

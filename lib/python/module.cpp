@@ -96,7 +96,7 @@ Image imageOf(const Pixels& pixels)
     return image;
 }
 
-/// @param colors red, green and blue, or those at the bottom and those at the top
+/// @param colors red, green and blue; or six numbers, for bottom and top
 Background backgroundOf(const std::vector<double>& colors)
 {
     const auto color = [&](std::size_t first) {

@@ -95,7 +95,7 @@ void addWords(const Parameter& parameter, const py::handle& value, Words& words)
         addWords(parameter, item, words);
 }
 
-/// A list as the text that stands for it on a command line: `a,b` for [a, b], `0:x,1:y` for [(0, x), (1, y)].
+/// A list as text of a command line: `a,b` for [a, b], `0:x,1:y` for [(0, x), (1, y)].
 std::string listText(const Parameter& parameter, const py::handle& list)
 {
     Words items;

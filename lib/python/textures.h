@@ -17,7 +17,7 @@
 
 namespace vdblic::python {
 
-/// The parameters of a run, except of its files.
+/// The parameters of a run without its files.
 [[nodiscard]] Parameters advectParameters(AdvectParams& params);
 
 /// The textures of a velocity sequence, one after the other, from files or from volumes of Python, to volumes of
@@ -61,7 +61,7 @@ class __attribute__((visibility("hidden"))) Textures : private RunObserver { // 
     std::optional<Checkpoint> mResumed; // until the run goes on from it
     std::istringstream mNoLines;        // of standard input
     std::optional<TextureRun> mRun;
-    std::optional<TextureRun::Iterator> mNext; // nothing before the first
+    std::optional<TextureRun::Iterator> mNext; // nullopt before the first
     std::int64_t mTaken = 0;                   // frames of the iterator
     std::optional<std::int64_t> mFirst;
     struct Step {

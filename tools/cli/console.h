@@ -29,7 +29,7 @@ void printMessage(const std::string& text);
 /// that share a terminal print a line every ten seconds at most.
 class Console : public Reporter {
   public:
-    enum class Level { kSilent, kQuiet, kNormal, kVerbose }; ///< kSilent: nothing at all
+    enum class Level { kSilent, kQuiet, kNormal, kVerbose }; ///< kSilent: no output
 
     /// @param parameters of the tool; must outlive this
     Console(std::string tool, Level level, const Parameters& parameters);
@@ -64,7 +64,7 @@ class Console : public Reporter {
 /// @return the exit status that the error has
 ExitStatus tellFailure(Console& console);
 
-/// Occupy the descriptors of standard streams that the caller has closed (`>&-`), so that no file gets one of them and
-/// receives printed text. Reading or writing such a stream fails. Call it before any file is opened.
+/// Occupy the descriptors of standard streams that the caller has closed (`>&-`), so that no file reuses one of them
+/// and receives printed text. Reading or writing such a stream fails. Call it before any file is opened.
 void holdStandardStreams();
 } // namespace vdblic::cli

@@ -14,7 +14,7 @@ namespace {
 
 using vdblic::ScratchMemory;
 
-// Where ordinary memory is used up, small objects are paged, too, in places that suit any usual alignment.
+// Once ordinary memory is used up, small objects are paged, too, aligned for any usual type.
 constexpr std::size_t kLeastPaged = 2048, kMostAlignment = 128;
 
 // Objects of stricter alignment are bricks, which are in use all the time: they stay in ordinary memory up to a share
@@ -34,13 +34,13 @@ bool isShareUsedUp(std::size_t bytes)
     return gAligned + std::int64_t(bytes) > most;
 }
 
-/// What lies in the scratch file if nothing else is left.
+/// Memory in the scratch file, for requests that ordinary memory cannot serve.
 void* lastMemory(std::size_t bytes, std::size_t alignment)
 {
     return alignment <= kMostAlignment ? ScratchMemory::allocate(std::max(bytes, kLeastPaged)) : nullptr;
 }
 
-/// Call what the program does when memory is used up.
+/// Call the program's new-handler. @throws std::bad_alloc if it has none
 void handleLack()
 {
     const std::new_handler handler = std::get_new_handler();

@@ -46,7 +46,7 @@ class ParameterOptions {
     std::map<std::string, Words> mGiven;
 };
 
-/// Check that every argument that looks like an option is one, before the parser finds what else is missing.
+/// Check that every argument that looks like an option is one, before the parser reports missing options.
 /// @throws CLI::ExtrasError naming the first one that is not, and the nearest option
 void checkOptions(const CLI::App& app, int argc, char** argv);
 

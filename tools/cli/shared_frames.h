@@ -8,12 +8,12 @@
 
 namespace vdblic::cli {
 
-/// Do a job on the frames of a sequence by several ranks, which need nothing of each other's frames.
-/// A rank whose job fails leaves the frames of the others to them. Collective.
+/// Do a job on independent frames of a sequence by several ranks. If a rank's job fails, the others finish theirs.
+/// Collective.
 ///
 /// @param input    whole; job() gets a rank's frames
 /// @param reporter of rank 0: it gets the messages and outputs of the other ranks when all have ended
-/// @throws what job() throws at the first rank that failed; ParameterError if the input is standard input
+/// @throws the exception of job() at the first rank that failed; ParameterError if the input is standard input
 void shareFrames(Exchange& exchange, const SequenceParams& input, Reporter& reporter,
                  const std::function<void(const SequenceParams& input, Reporter& reporter)>& job);
 

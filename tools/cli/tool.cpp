@@ -132,7 +132,7 @@ void Tool::limitMemory() const
     ::setrlimit(RLIMIT_DATA, &data);
 }
 
-/// The threads asked for, or those that the system starts if they are fewer: TBB would abort the process.
+/// The number of threads requested, or as many as the system can start: TBB would abort the process.
 std::size_t Tool::threadsToUse(Reporter& reporter) const
 {
     constexpr std::size_t kOthers = 2; // one reads ahead, one writes
@@ -168,7 +168,7 @@ void Tool::offerScratch() const
     if (mInFiles == 0 || mIsShared) return; // ranks divide the work instead
     std::filesystem::path folder = mScratch;
     if (folder.empty()) folder = mOutput ? std::filesystem::path(mOutput()).parent_path() : temporaryFolder();
-    paging::setMemory(*new ScratchMemory(folder.empty() ? "." : folder, memoryLimit(), mInFiles)); // for ever
+    paging::setMemory(*new ScratchMemory(folder.empty() ? "." : folder, memoryLimit(), mInFiles)); // never freed
 }
 
 void Tool::verify(Reporter& reporter) const
@@ -297,7 +297,7 @@ std::optional<int> Tool::parse(int argc, char** argv)
     return std::nullopt;
 }
 
-/// Let no rank begin while another's command line asks for no job, or has a mistake. @param told of this rank's
+/// Stop all ranks if one rank's command line requests no job, or has a mistake. @param told of this rank's
 /// @return the status to end with. @throws ParameterError at rank 0, which prints
 std::optional<int> Tool::agreed(std::optional<int> told)
 {
@@ -308,11 +308,11 @@ std::optional<int> Tool::agreed(std::optional<int> told)
     throw ParameterError(fmt::format("rank {}: {}; give all ranks the same options", found - refusals.begin(), *found));
 }
 
-/// Take what the options common to all tools say.
+/// Apply the options common to all tools.
 void Tool::prepare(Console& console) const
 {
     limitMemory();
-    // For ever: at its end TBB would start the threads that it was denied.
+    // Never destroyed: at its end TBB would start the threads that it was denied.
     static const auto* const kThreads =
         new tbb::global_control(tbb::global_control::max_allowed_parallelism, threadsToUse(console));
     (void)kThreads;

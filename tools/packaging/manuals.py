@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Makes man pages and completions of shells from what the tools say of themselves.
+"""Makes man pages and completions of shells from the help of the tools.
 
     tools/packaging/manuals.py TOOLS OUT
 

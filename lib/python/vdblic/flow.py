@@ -28,7 +28,7 @@ _OF_FILES = "frames", "clamp_frames", "lead_in"
 
 
 class Textures(Iterator[Volume]):
-    """The textures of a run, one after the other. Closing it, as `with` does, ends the run and frees its memory."""
+    """An iterator over the textures of a run. Closing it, as `with` does, ends the run and frees its memory."""
 
     def __init__(self, run: Any, teller: Teller) -> None:
         self._run, self._teller = run, teller
@@ -85,7 +85,7 @@ def advect(
                    frames=[1, 2, 5]; a duration for seconds. Those of output files and checkpoints are left out:
 
 {parameters}
-    Errors in parameters are raised at once, those in a frame when it is taken, with its number. Closing the iterator
+    Errors in parameters are raised at once, errors in a frame when it is read, with its number. Closing the iterator
     ends the run; Ctrl-C ends it before the next step. Warnings are Python's, messages go to the logger `vdblic`.
     Any number of runs may go on at a time.
 
@@ -171,7 +171,7 @@ class Flow:
     `with` frees the memory however the loop ends.
 
     comm           a communicator of mpi4py: each of its ranks pushes its part of the velocity, without a halo. Rank 0 gets
-                   the textures, which are those of one process bit for bit; the others get none. All ranks call push(),
+                   the textures, bit for bit those of one process; the others get none. All ranks call push(),
                    save() and close() together
     origin         index of the first voxel of this rank's part in the whole; of a Grid it is added to its own
     resume         a file of save(): the textures go on as if there had been no interruption. The parameters must be the
@@ -210,7 +210,7 @@ class Flow:
         """Take the velocity of the next frame, and return the textures that it finishes: none for the first frame, then
         one, or as many as there are `substeps`.
 
-        velocity   what advect() takes as a frame. It may be overwritten afterwards
+        velocity   a frame, as for advect(). It may be overwritten afterwards
         time       in seconds or a date; by default `dt` after the frame before
         """
         if self._run is None:
@@ -242,7 +242,7 @@ class Flow:
         return self._of_first_rank(made)
 
     def _taken(self, velocity, time):
-        """A frame, if all ranks have theirs."""
+        """The volume of a frame. Raises at all ranks if one of them has an error."""
         volume, error = None, None
         try:
             volume = self._read(velocity, time)
@@ -288,13 +288,13 @@ FLOW_PARAMETERS = described(Flow, _core.parameters("advect"), without=("input", 
 
 
 def _members(volumes):
-    """Volumes as the library's side takes them."""
+    """Volumes as arguments of _core."""
     for volume in volumes:
         yield as_dictionaries(volume), volume.metadata
 
 
 def _taken(waiting):
-    """What waits in a queue, until it is empty."""
+    """Yield the items of a queue until it is empty."""
     while waiting:
         yield waiting.popleft()
 
@@ -311,7 +311,7 @@ def _stamps_in(checkpoint):
 
 
 def _copied(volume):
-    """A volume whose arrays are nobody else's."""
+    """A copy of a volume that shares no arrays."""
     grids = (
         dataclasses.replace(grid, values=grid.values.copy(), active=None if grid.active is None else grid.active.copy())
         for grid in volume.grids

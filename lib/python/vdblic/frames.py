@@ -1,4 +1,4 @@
-"""Velocities of any kind as frames, one after the other."""
+"""An iterator over velocities of any kind as frames."""
 
 from __future__ import annotations
 
@@ -19,14 +19,11 @@ from .labelled import clock, is_labelled, moments
 from .progress import Teller, without_files
 from .volumes import Lengths, as_volume, lengths_of, write
 
-Frame = Any  # what as_volume() takes, or (time, of it)
+Frame = Any  # data for as_volume(), or (time, data)
 
 
 class Frames:
-    """The frames of velocities as volumes, numbered from 1. It is passed through once.
-
-    `count` is how many there are, 0 if that is unknown.
-    """
+    """A single-pass iterable of velocities as volumes, numbered from 1. `count` is their number, 0 if it is unknown."""
 
     def __init__(self, velocities: Any, voxel_size: Lengths, layout: str | None) -> None:
         self._frames, self.count = _of(velocities, layouts.checked(layout))
@@ -51,7 +48,7 @@ class FrameReader:
         self.stamp = ""
 
     def go_on(self, first: str, last: str) -> None:
-        """Number the frames from the last one on, and count dates from the first one. @param stamps of both"""
+        """Continue the numbers at the last frame, and count dates from the first. @param first, last  stamps"""
         self._number = int(last.split()[1]) - 1
         if "T" in first:
             self._first = numpy.datetime64(first.split()[-1])
@@ -79,7 +76,7 @@ class FrameReader:
 
 
 def _text_of(time):
-    """A time as a word that tells it exactly."""
+    """A time as a word without loss."""
     if time is None:
         return "no time"
     if isinstance(time, (datetime.datetime, numpy.datetime64)):
@@ -103,7 +100,7 @@ def _of(velocities, layout):
 
 
 def is_path(data: Any) -> bool:
-    """Whether data are the name of files."""
+    """Whether data are a path or a pattern."""
     return isinstance(data, (str, os.PathLike))
 
 
@@ -127,7 +124,7 @@ def stored(
     """Write volumes into a folder. Returns the pattern. Raises ValueError if there are none.
 
     dt         seconds between frames without a time
-    by_frame   whether their frames number them, if they have any; else they count from 1
+    by_frame   whether to number files by `frame`, where volumes have it; else from 1 on
     """
     pattern, number = str(Path(folder) / f"{name}.%06d.vdb"), 0
     for number, volume in enumerate(volumes, 1):

@@ -24,7 +24,7 @@ def is_labelled(data: Any) -> bool:
 
 
 def moments(data: Any) -> tuple[Iterator[Any], int]:
-    """Labelled data one time after the other, as pairs (time, data) if the times are known, and the number of times."""
+    """An iterator over the times of labelled data, as pairs (time, data) if times are known, and their number."""
     time = _time_of(data) if _is_xarray(data) else None
     if time is None or time not in data.dims:
         return iter([data]), 1
@@ -87,13 +87,13 @@ def _of_xarray(data, voxel_size):
 
 
 def _has_lengths(array):
-    """Whether the coordinates along x, y and z are lengths, or say nothing else."""
+    """Whether the coordinates along x, y and z are lengths, or have no unit."""
     units = [str(array.coords[name].attrs.get("units", "")) for name in _axes(array).values() if name in array.coords]
     return all(unit in ("", "1", "m") or _by_the_reader("units").measures(unit, "m") for unit in units)
 
 
 def _by_the_reader(module):
-    """A module of vdblic_import's, which is beside this one."""
+    """A module of vdblic_convert."""
     return importlib.import_module(f"vdblic_convert.{'readers.' * (module == 'dataset')}{module}")
 
 
@@ -178,7 +178,7 @@ def _time_of(data):
 
 
 def _moment(data, name):
-    """The value of a time that data of one time have."""
+    """The time of data of one time."""
     time = data.coords[name]
     unit = str(time.attrs.get("units", ""))
     if time.dtype.kind in "iuf" and unit:

@@ -21,7 +21,7 @@ def checked(layout: str | None) -> str | None:
 def field(values: numpy.ndarray, layout: str | None) -> numpy.ndarray:
     """An array as (x, y, z) or (x, y, z, 3). Raises ValueError if it is neither a scalar nor a vector field.
 
-    Without a layout, these are the orders taken. Where it has no c, components come last.
+    Without a layout, the array must have one of these orders. A layout without c puts components last.
     """
     values = numpy.asanyarray(values)
     axes = (layout or "xyz").replace("t", "")
@@ -37,7 +37,7 @@ def field(values: numpy.ndarray, layout: str | None) -> numpy.ndarray:
 
 
 def times(values: Any, layout: str | None) -> tuple[Iterator[Any], int]:
-    """The fields of an array with a time axis, one after the other, and their number. Raises ValueError if nothing tells the axis."""
+    """An iterator over the fields of an array with a time axis, and their number. Raises ValueError if the axis is unknown."""
     if layout is None:
         raise ValueError(
             f"nothing tells the order of the axes of an array of the shape {values.shape}; "

@@ -26,7 +26,7 @@ def diff(a: Source, b: Source, /, *, progress: Progress = None, **options: Unpac
     """Compare two files, patterns or volumes as `vdblic_diff` does; a volume with a volume or with one file.
 
     Returns its report (docs/measure.md), in which volumes are called a and b; report["verdict"] is same or
-    different. Raises ValueError for what cannot be read or compared. `progress` is that of advect().
+    different. Raises ValueError for data that cannot be read or compared. `progress` is that of advect().
 
 {parameters}
     """

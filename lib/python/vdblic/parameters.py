@@ -15,7 +15,7 @@ def described(
 ) -> frozenset[str]:
     """List the library's parameters in a docstring in place of {parameters}, and in the signature. Returns their names.
 
-    others   all parameters of the tool; the names of those that are not listed are put in place of {others}
+    others   all parameters of the tool; the unlisted names replace {others}
     """
     lines = []
     listed = [p for p in parameters if p["key"] not in without]

@@ -107,7 +107,7 @@ class Renderer:
         return f"vdblic.Renderer({', '.join(f'{key}={value!r}' for key, value in self._options.items())})"
 
     def close(self) -> None:
-        """Free what it holds."""
+        """Free its memory."""
         self._picture = None
 
     def __enter__(self) -> Renderer:

@@ -1,4 +1,4 @@
-"""What a computation tells while it goes on: progress, warnings and messages."""
+"""Progress, warnings and messages of a computation."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from collections.abc import Callable
 from typing import Any, Union
 
 Progress = Union[bool, Callable[[int, Union[int, None]], Any], None]
-"""A function that is called with what is done and of how much (None if that is unknown); True for a bar of tqdm, False
-for none. By default there is a bar in a notebook and in a terminal if tqdm is installed."""
+"""A function that is called with the steps done and their number (None if unknown); True for a bar of tqdm, False for
+none. By default there is a bar in a notebook and in a terminal if tqdm is installed."""
 
 _LOG = logging.getLogger("vdblic")
 
 
 class Teller:
-    """Passes on what the library's side tells: warnings as Python's, messages to the logger `vdblic`."""
+    """Passes on reports of _core: warnings as Python's, messages to the logger `vdblic`."""
 
     def __init__(self, progress: Progress, title: str, unit: str = "steps", stacklevel: int = 3) -> None:
         """@param stacklevel  of warnings: the caller of the function that computes"""

@@ -12,7 +12,7 @@ _MOST = 1 << 30  # bytes that MPI takes at a time: it counts with an int
 
 
 class Ranks:
-    """The communication that the library's side asks for. All but `rank` and `size` is collective."""
+    """The communication for _core. All but `rank` and `size` is collective."""
 
     def __init__(self, comm: Any) -> None:
         if not all(hasattr(comm, name) for name in ("alltoall", "allgather", "Get_rank", "Get_size")):
@@ -20,7 +20,7 @@ class Ranks:
         self._comm, self.rank, self.size = comm, comm.Get_rank(), comm.Get_size()
 
     def swap(self, messages: list[bytes]) -> list[bytes]:
-        """Give each rank a message, and take one from each."""
+        """Send a message to each rank, and receive one from each."""
         part = _MOST // self.size
         longest = max(self._comm.allgather(max(map(len, messages))))
         parts = [
@@ -37,7 +37,7 @@ class Ranks:
         return numpy.max(self._comm.allgather(numbers), axis=0)  # type: ignore[no-any-return]
 
     def agree(self, error: ValueError | None, placed: str) -> None:
-        """Raise at all ranks what one of them found, or that they do not place their parts in one space."""
+        """Raise one rank's error at all ranks; or an error if their parts differ in grids, transform or time."""
         told = self._comm.allgather((None if error is None else str(error), placed))
         if error is not None:
             raise error

@@ -10,7 +10,7 @@ import numpy
 
 from . import _core
 
-_LARGEST = 256  # voxels of a slice; of longer sides some are left out
+_LARGEST = 256  # voxels along a side of a slice; longer sides are thinned out
 _SHOWN = 200  # pixels of its longer side
 
 

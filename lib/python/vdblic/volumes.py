@@ -26,7 +26,7 @@ def read(path: str | os.PathLike) -> Volume:
 
 
 def volume_of(grids: list[Any], metadata: dict[str, Any]) -> Volume:
-    """A volume of what the library's side gives."""
+    """A volume of results of _core."""
     lines = next((Lines(grid) for grid in grids if isinstance(grid, _core.StoredLines)), None)
     return Volume((Grid(**grid) for grid in grids if isinstance(grid, dict)), metadata, lines)
 
@@ -114,7 +114,7 @@ def _named(name, data, lengths, layout):
 
 
 def path_of(path: str | os.PathLike) -> bytes:
-    """A path as the library's side takes it. Raises ValueError for a text that can be none."""
+    """A path as an argument of _core. Raises ValueError for a text that is no path."""
     name = os.fsencode(path)
     if b"\0" in name:
         raise ValueError(f"{path!r:.100} is no path: it holds a null character")
@@ -133,7 +133,7 @@ def lengths_of(voxel_size: Lengths) -> Array:
 
 
 def as_dictionaries(volume: Volume) -> list[Any]:
-    """The grids of a volume as the library's side takes them."""
+    """The grids of a volume as arguments of _core."""
     lines = [] if volume.lines is None else [volume.lines.stored]
     return [_members(grid) for grid in volume.grids] + lines
 

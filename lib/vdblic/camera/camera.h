@@ -18,7 +18,7 @@ template<>
 inline constexpr auto kNames<Projection> = std::to_array<std::string_view>({"perspective", "orthographic"});
 
 /// A side that a picture is seen from; the front is towards −y where +z is up, so that east is right where north is +y.
-/// kThreeQuarter is from the front, the right and above, by the shape of what is seen (chooseDirection()).
+/// kThreeQuarter is from the front, the right and above; the subject's shape decides (chooseDirection()).
 enum class ViewSide { kThreeQuarter, kTop, kBottom, kFront, kBack, kLeft, kRight, kNorth, kEast, kSouth, kWest };
 template<>
 inline constexpr auto kNames<ViewSide> = std::to_array<std::string_view>({"three-quarter", "top", "bottom", "front",
@@ -71,7 +71,7 @@ struct PictureRays {
 /// up, and its direction by −perDepth times that. All rays of a point of the picture thus meet in the focal plane.
 struct Lens {
     glm::dvec3 right, up; ///< as long as the lens's radius [world]
-    double perDepth;      ///< 1 over the depth of the focal plane, that of the target
+    double perDepth;      ///< reciprocal depth of the focal plane, through the target
 };
 
 /// A rectangle of a picture [pixels].
@@ -82,7 +82,7 @@ struct PictureArea {
 /// A camera with position, direction and projection. Immutable.
 ///
 /// Camera space is OpenEXR's: x right, y up, z forward, left-handed. Pixel (0, 0) is the top left one and covers
-/// [0, 1) in both directions, so its centre is at (½, ½). What lies behind the eye's plane is not seen.
+/// [0, 1) in both directions, so its centre is at (½, ½). Points behind the eye's plane are invisible.
 class Camera {
   public:
     /// @param box  around everything visible

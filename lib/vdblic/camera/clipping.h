@@ -11,7 +11,7 @@
 
 namespace vdblic {
 
-/// A plane in world space; what lies on the side its normal points to is kept.
+/// A plane in world space. The half-space on the side of its normal is kept.
 struct ClipPlane {
     glm::dvec3 point, normal;
 
@@ -19,13 +19,13 @@ struct ClipPlane {
     [[nodiscard]] double height(const glm::dvec3& at) const;
 };
 
-/// Whether one of the planes leaves nothing of a box.
+/// Whether one of the planes cuts away the whole box.
 [[nodiscard]] bool isCutAway(const std::array<glm::dvec3, 8>& corners, std::span<const ClipPlane> planes);
 
 /// Cuts by planes, in world space. The remaining space is convex.
 struct ClipParams {
     std::vector<ClipPlane> planes{};
-    std::optional<std::array<glm::dvec3, 2>> box{}; ///< low and high corner; what lies inside is kept
+    std::optional<std::array<glm::dvec3, 2>> box{}; ///< low and high corner; its inside is kept
 
     /// @throws ParameterError
     void validate() const;

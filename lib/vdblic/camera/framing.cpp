@@ -25,7 +25,7 @@ constexpr glm::dvec2 kViews[] = {{25, 30}, {25, 60}, {45, 30}, {45, 60}, {60, 30
 constexpr glm::dvec2 kMapViews[] = {{52, 0}, {52, 90}};
 /// Share of the best view's coverage that counts as well.
 constexpr double kWell = 0.7;
-/// Views of a plate, which shows nothing from the side. The best one is chosen.
+/// Views of a plate, which is invisible from the side. The best one is chosen.
 constexpr glm::dvec2 kPlateViews[] = {{80, 0}, {10, 0}, {10, 90}};
 
 /// The share of the picture that a box covers: half the sum of its faces' areas there, since a convex body covers each

@@ -24,8 +24,8 @@ struct Framing {
 
 /// The nearest eye that sees every point; the picture need not be centred on any of them.
 ///
-/// Each edge of a perspective picture bounds x ∓ extent·z of the eye by that of the outermost point. Two opposite
-/// bounds meet at one depth; the tighter pair of edges decides.
+/// Each edge of a perspective picture bounds the eye's x ∓ extent·z by the outermost point's. Two opposite bounds meet
+/// at one depth; the tighter pair of edges decides.
 /// @param halfExtent of a perspective at distance 1; of an orthographic picture only its proportions count
 [[nodiscard]] Framing frameTightly(Projection projection, const glm::dmat3& axes, std::span<const glm::dvec3> points,
                                    const glm::dvec2& halfExtent);

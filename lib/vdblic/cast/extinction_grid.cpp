@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMostCells = 1 << 20;
 constexpr float kSumUnits = 0x1p32f; // in which extinctions are summed up
 
-/// Add a leaf's extinctions to sums over cells. @param from its first voxel, relative to that of the first cell
+/// Add a leaf's extinctions to sums over cells. @param from its first voxel, relative to the first cell's
 VDBLIC_KERNEL
 void addExtinctions(const TextureVolume& volume, const Look& look, std::size_t leaf, const openvdb::Coord& from,
                     int cell, const openvdb::Coord& dim, std::uint64_t* sums)
@@ -48,7 +48,7 @@ ExtinctionGrid::ExtinctionGrid(const TubeTree& tree)
     const auto voxel = [](const glm::dvec3& at) { return openvdb::Coord::round(openvdb::Vec3d(at.x, at.y, at.z)); };
     cover({voxel(tubes.low() + 0.5), voxel(tubes.high() - 0.5)});
     std::vector<std::uint64_t> sums(index(mDim - openvdb::Coord(1)) + 1);
-    // What a tube covers it dims once, however thick it is.
+    // A tube attenuates the light behind it once, whatever its thickness.
     tubes.forPieces(tree.cones(), mCell, [&](const Tubes::Piece& piece) {
         const auto share = double(tree.alpha(piece.driver, piece.opacity));
         openvdb::Coord cell = voxel(piece.place) - mOrigin;
@@ -81,7 +81,7 @@ void ExtinctionGrid::sum(const TextureVolume& volume, const Look& look, Exchange
         if (!volume.isOwn(leaf) || volume.shown(leaf).isOff() || !look.contributes(volume.leafRange(leaf))) return;
         addExtinctions(volume, look, leaf, volume.origin(leaf) - mOrigin, mCell, mDim, sums.data());
     };
-    // A cell that is larger than a leaf gets the sums of several, one after the other.
+    // A cell larger than a leaf adds up several leaves.
     if (mCell <= LeafVoxel::kDim) {
         tbb::parallel_for(std::size_t(0), volume.leafCount(), addLeaf);
     } else {

@@ -22,7 +22,7 @@ class ExtinctionGrid {
   public:
     /// @param exchange of the ranks that share the volume: collective
     ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange);
-    /// Of tubes, as fine as if each were cut into pieces that are spread through their cells.
+    /// The extinction of tubes, each taken as short pieces spread evenly through its cells.
     explicit ExtinctionGrid(const TubeTree& tree);
 
     [[nodiscard]] const openvdb::Coord& origin() const { return mOrigin; } ///< first voxel of the first cell

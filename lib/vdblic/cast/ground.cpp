@@ -37,7 +37,7 @@ void Ground::addTo(SurfacePicture& picture, const PlacedBox& box, const Look& lo
     const PixelRays rays(camera, ray);
     const DepthCue cue(box, look, camera);
     const std::vector<glm::vec3> background = look.backgroundRows(camera.size().y);
-    const auto exposure = float(std::exp2(look.exposure)); // colours are as asked for at any exposure
+    const auto exposure = float(std::exp2(look.exposure)); // divided out of the ground's colour: applied after the rays
     const PictureArea& area = camera.area();
     tbb::parallel_for(area.low.y, area.high.y, [&](int y) {
         const glm::vec3& behind = background[std::size_t(y)];

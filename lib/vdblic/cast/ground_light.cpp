@@ -31,7 +31,7 @@ constexpr int kMostAcross = 192; // points of the lattice under the domain's lon
 constexpr int kKeyDirections = 16, kOpenDirections = 32;
 constexpr double kKeyRadius = 0.06; // of the key light's disc, at distance 1
 constexpr double kReach = 1 / 4.0;  // of occlusion, in mean edges of the domain
-constexpr double kFarthest = 2.5;   // reaches after which nothing occludes
+constexpr double kFarthest = 2.5;   // reaches beyond which matter does not occlude
 constexpr float kKeyShare = 0.6f;   // of the light of an open ground
 constexpr std::size_t kMostSolidCells = 1 << 20;
 
@@ -40,7 +40,7 @@ using Directions = std::array<glm::dvec3, kLanes>;
 
 /// Directions whose projections are spread evenly over a disc (Vogel's spiral 1979).
 /// @param axis of the disc, of length 1
-/// @param radius of a disc at distance 1; nothing: a hemisphere, whose density has Lambert's cosine
+/// @param radius of a disc at distance 1; nullopt: a hemisphere with a density of Lambert's cosine
 std::vector<Directions> directionsAround(const glm::dvec3& axis, std::optional<double> radius, int count)
 {
     const glm::dvec3 other = std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -56,7 +56,7 @@ std::vector<Directions> directionsAround(const glm::dvec3& axis, std::optional<d
     return result;
 }
 
-/// Something that takes light away, on coarse cells of an index space.
+/// An absorbing or opaque medium, on coarse cells of an index space.
 struct Medium {
     const float* values;
     CoarseCells cells;
@@ -67,7 +67,7 @@ struct Medium {
     bool isOpaque; // values are shares of cells that are filled, else extinctions
 };
 
-/// The ways of light from eight directions to points, through a medium.
+/// Rays of light from eight directions to points, through a medium.
 struct LightWays {
     struct Slope {
         Float8 perVoxel; // growth of the height above a cut; a vector of bare Float8 would not be aligned
@@ -75,10 +75,10 @@ struct LightWays {
     const Medium& medium;
     Float8 unit[3], inverse[3]; // directions in index space, of length 1, and huge for 0
     Float8 farthest;            // length of the ways [voxels]
-    Float8 keep;                // power of 2 by which an effect gets less with each voxel of distance
+    Float8 keep;                // binary logarithm of the decay per voxel of distance
     std::vector<Slope> slopes;  // of the ways above the cuts
 
-    /// @param reach distance after which an e-th of an effect is left; or infinite [world]
+    /// @param reach distance over which the effect decays to 1/e; or infinite [world]
     LightWays(const Medium& through, const Directions& directions, double length, double reach);
 };
 
@@ -103,7 +103,7 @@ LightWays::LightWays(const Medium& through, const Directions& directions, double
     }
 }
 
-/// Multiply the shares of light that is left behind a medium. @param left by direction
+/// Multiply transmittances by the medium's. @param left transmittance by direction
 VDBLIC_KERNEL
 void trace(const LightWays& ways, const glm::dvec3& point, Float8& left)
 {
@@ -127,7 +127,7 @@ void trace(const LightWays& ways, const glm::dvec3& point, Float8& left)
     }
     if (!anyOf(enter < leave)) return;
 
-    // The last step of a way is shorter.
+    // The last step of a ray is shorter.
     const auto step = float(medium.step);
     Float8 sum{}, most{};
     const Float8 steps = (leave - enter) / step;

@@ -27,8 +27,8 @@ struct ShadowCasters {
 /// which near matter occludes.
 ///
 /// The key light is a disc of a few degrees: shadows are sharp at the foot of their caster and get softer with its
-/// distance. Ambient light comes from 32 directions, with Lambert's cosine in their density; along its way distant
-/// matter counts less. Both go through coarse cells: the volume's extinctions, and the parts of cells
+/// distance. Ambient light comes from 32 directions, with Lambert's cosine in their density; occlusion decays
+/// with the distance. Both go through coarse cells: the volume's extinctions, and the parts of cells
 /// that are inside the solid. Immutable; any number of threads may read.
 class GroundLight {
   public:

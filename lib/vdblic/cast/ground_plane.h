@@ -18,13 +18,13 @@ struct GroundPlane {
     double height;      ///< of the plane along the normal
     glm::dvec2 middle;  ///< of the rectangle around the domain's projection
     glm::dvec2 half;    ///< half the sides of that rectangle
-    double fade;        ///< distance from the rectangle at which nothing is left of the ground
+    double fade;        ///< distance from the rectangle at which the ground has faded out
 
     [[nodiscard]] glm::dvec3 at(const glm::dvec2& place) const
     {
         return normal * height + axes[0] * place.x + axes[1] * place.y;
     }
-    /// How much of the ground there is: 1 under the domain, 0 from the distance `fade` on, smooth in between.
+    /// The ground's opacity: 1 under the domain, 0 from the distance `fade` on, smooth in between.
     [[nodiscard]] double alpha(const glm::dvec2& place) const;
 };
 

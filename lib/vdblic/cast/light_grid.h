@@ -18,9 +18,9 @@ struct Solid;
 /// Ambient occlusion: how much ambient light arrives in each cell of an ExtinctionGrid. It does not depend on the
 /// camera.
 ///
-/// Ambient light comes from fourteen directions (Lebedev's quadrature of degree 5, 1976). Optical depth decays along
-/// its way, so that only near matter occludes. A factor is relative to the mean over all visible cells: occlusion gives
-/// form and keeps the picture's brightness. Immutable; any number of threads may read.
+/// Ambient light comes from fourteen directions (Lebedev's quadrature of degree 5, 1976). Optical depth decays with the
+/// distance, so that only near matter occludes. A factor is relative to the mean over all visible cells: occlusion
+/// gives form and keeps the picture's brightness. Immutable; any number of threads may read.
 class AmbientLight {
   public:
     /// @param visible extinctions of the volume
@@ -55,7 +55,7 @@ class LightGrid {
     LightGrid(const ExtinctionGrid& visible, const AmbientLight& ambient, const PlacedBox& box, const Look& look,
               const glm::dvec3& towardsLight);
 
-    /// Factors on the light: 1 − shadows · (1 − transmittance), times that of occlusion.
+    /// Factors on the light: 1 − shadows · (1 − transmittance), times the factor of occlusion.
     /// @param position index space, by axis
     [[nodiscard]] VDBLIC_INLINE Float8 at(const Float8* position) const { return mCells.at(mFactors.data(), position); }
     [[nodiscard]] float at(const glm::dvec3& position) const;

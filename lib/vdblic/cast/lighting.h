@@ -12,7 +12,7 @@
 
 namespace vdblic {
 
-/// What lights do to a colour.
+/// The effect of lights on a colour.
 struct Light {
     Float8 lit, white; ///< factor on the colour, and light added to it
 };

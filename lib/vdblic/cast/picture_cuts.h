@@ -27,8 +27,8 @@ class PictureCuts {
     [[nodiscard]] const PictureArea& area(int rank) const { return mAreas[std::size_t(rank)]; }
     /// The cuts around a rank's part. The parts fill space, also outside of the picture.
     [[nodiscard]] const std::vector<PictureCut>& cuts(int rank) const { return mCuts[std::size_t(rank)]; }
-    /// How far the lens moves rays from those through its middle: at most lens() · |depth − 1|, with the depth in that
-    /// of the focal plane, depth() · (x, y, z, 1). In the unit of the cuts' heights.
+    /// Largest distance of the lens's rays from its central ray [unit of the cuts' heights]: lens() · |depth − 1|, with
+    /// the depth over the focal plane's, depth() · (x, y, z, 1).
     [[nodiscard]] double lens() const { return mLens; }
     [[nodiscard]] const glm::dvec4& depth() const { return mDepth; }
 
@@ -39,7 +39,7 @@ class PictureCuts {
     glm::dvec4 mDepth{0};
 };
 
-/// The leaves of a volume that the rays of a part of a picture see, and those that lie in that part of space.
+/// The leaves of a volume that the rays of a part of the picture see, or that lie in that part of space.
 class ViewShare final : public LeafShare {
   public:
     ViewShare(const PictureCuts& cuts, int rank, const glm::dmat4& indexToWorld);

@@ -15,7 +15,7 @@ struct RayCastParams {
     /// shaded together, at the position of the last of them.
     double leastTransmittance = 1.0 / 256;
     ClipParams clip{};
-    bool layers = false; ///< whether the image gets layers too
+    bool layers = false; ///< whether to compute the image's layers
 
     [[nodiscard]] bool isCubic() const { return interpolation == Interpolation::kCubic; }
 

@@ -42,7 +42,7 @@ PixelLayers layersOf(const RaySum& sum, const RayTask& task)
     const float weight = shadedAlpha(sum);
     const float haloDepth = task.shading[kEntryDepth] * sum.halo + task.shading[kDepthPerStep] * sum.haloDistance;
     layers.depth = (sum.numbers[0] + haloDepth) / (weight + sum.halo);
-    if (!(weight > 0)) return layers; // halos have nothing but a depth
+    if (!(weight > 0)) return layers; // halos have only a depth
     layers.driver = sum.numbers[1] / weight;
     layers.texture = sum.numbers[2] / weight;
     const glm::vec3 normal(sum.normal[0], sum.normal[1], sum.normal[2]);

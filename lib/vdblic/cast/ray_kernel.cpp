@@ -31,7 +31,7 @@ VDBLIC_INLINE Float8 middleOf(Int8 step, Float8 shift, Float8 span)
 
 } // namespace
 
-/// Eight rays in flight. A lane without a ray stays where nothing is visible.
+/// Eight rays in flight. A lane without a ray stays in invisible space.
 struct alignas(32) RayKernel::Lanes {
     Float8 entry[3], direction[3], inverse[3];
     Float8 view[3]; // direction in world space
@@ -80,8 +80,8 @@ RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCas
     mMargin = float(1e-5 + reach * 0x1p-20);
 }
 
-/// Find the positions of the lanes' next samples, and how far they are from what is visible if the samples have not
-/// left their blocks.
+/// Find the positions of the lanes' next samples and, for samples still in their blocks, the distance to the nearest
+/// visible cell.
 VDBLIC_INLINE void RayKernel::locate(const Lanes& lanes, Sample& result) const
 {
     result.index = lanes.sample;

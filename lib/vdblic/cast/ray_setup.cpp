@@ -46,7 +46,7 @@ VDBLIC_INLINE Double4 length(const Double4* v)
     return Double4{std::sqrt(square[0]), std::sqrt(square[1]), std::sqrt(square[2]), std::sqrt(square[3])};
 }
 
-/// Numbers near 0 replaced by a tiny one: a face parallel to a ray then lies out of reach.
+/// Numbers near 0 replaced by a tiny one: a ray then meets a face parallel to it at a huge distance.
 VDBLIC_INLINE Double4 notZero(Double4 x)
 {
     constexpr double kTiny = 1e-12;

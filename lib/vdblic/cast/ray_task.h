@@ -8,8 +8,8 @@ namespace vdblic {
 /// steps from the entry. The size is a power of two, so that indexing needs no multiplication.
 struct alignas(128) RayTask {
     Float4 entry, direction; ///< the direction has length 1; fourth lanes 0
-    Float4 inverse;          ///< of the direction's components, huge for those near 0
-    Float8 shading;          ///< what shading needs, indexed by RayNumber
+    Float4 inverse;          ///< reciprocals of the direction's components, huge near 0
+    Float8 shading;          ///< constants for shading, indexed by RayNumber
     float shift;             ///< length of the first step
     float span;              ///< from entry to exit
     int samples;             ///< that represent the span
@@ -27,7 +27,7 @@ enum RayNumber {
     kDepthPerStep,
 };
 
-/// What the samples of a ray add up to. Weights are shares of the pixel's alpha.
+/// Sums over the samples of a ray. Weights are shares of the pixel's alpha.
 struct alignas(16) RaySum {
     Float4 color{};   ///< red, green, blue, premultiplied; and the weight of the background that is seen in samples
     Float4 normal{};  ///< times weight

@@ -9,9 +9,9 @@
 
 namespace vdblic {
 
-/// What shading needs to know about samples, each number a column of 32-bit values.
+/// The inputs of shading, one column of 32-bit values for each number of a sample.
 ///
-/// A further number is one more member here, set where samples are queued: the queue treats all members alike.
+/// To add a number, add a member and set it where samples are queued: the queue treats all members alike.
 template<typename Of>
 struct ShadeColumns {
     typename Of::Floats position[3]; ///< relative to the first voxel of its leaf

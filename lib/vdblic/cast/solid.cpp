@@ -37,7 +37,7 @@ namespace vdblic {
 namespace {
 
 constexpr int kBand = 3;         // half the width of a level set's narrow band [voxels]
-constexpr float kDeepest = 0.4f; // that smoothing takes from edges [voxels]
+constexpr float kDeepest = 0.4f; // largest erosion of edges by smoothing [voxels]
 
 using SolidTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
                                      openvdb::BoolGrid, openvdb::MaskGrid>;
@@ -162,7 +162,7 @@ openvdb::FloatGrid::Ptr asLevelSet(const openvdb::GridBase& grid, const std::str
 /// Refuse a mesh that is far too large for the texture's voxels. @param mesh in index space
 void checkExtent(const TriangleMesh& mesh, const std::filesystem::path& path)
 {
-    constexpr float kMostDistance = 1 << 24; // single precision still tells voxels apart
+    constexpr float kMostDistance = 1 << 24; // whole voxels are exact in single precision
     double voxels = 0;
     for (const openvdb::Vec3I& corners : mesh.triangles) {
         const openvdb::Vec3s a = mesh.points[corners[0]], b = mesh.points[corners[1]], c = mesh.points[corners[2]];

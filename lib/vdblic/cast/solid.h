@@ -17,7 +17,8 @@ struct Solid {
     glm::dmat4 worldToIndex{1};       ///< from the world of the picture, stretched, to its index space
 };
 
-/// The share of a texture's box that is taken for a body or a ground; what a cloud leaves out is more.
+/// The largest share of inactive voxels in a texture's box that counts as a body or a ground; around clouds it is
+/// larger.
 inline constexpr double kMostSolid = 0.2;
 
 /// Read or make the solid of a frame.

@@ -119,7 +119,7 @@ void SampleSum::add(const std::stop_token& stop)
         mSum.pixels[i] += image.pixels[i];
     }
     if (mCount != kRaysOfAll) return;
-    // Two points of a lens do not tell what the others see.
+    // Two points of a lens do not represent the others.
     mRefined = mCamera.lens() ? std::vector<std::uint8_t>(mSum.pixels.size(), 1)
                               : pixelsToRefine(mFirst, mSum, mCamera.area());
     mFirst = {};

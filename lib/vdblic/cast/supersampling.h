@@ -21,7 +21,7 @@ inline constexpr int kMostSamples = 4096; ///< rays per pixel
 /// that begins at the centre.
 class SampleSum {
   public:
-    /// Casts a ray through each pixel, or through those of `only`, as castRays() does.
+    /// Casts a ray through each pixel, or each pixel of `only`, as castRays() does.
     using Cast =
         std::function<Image(const Camera& camera, int ray, const std::uint8_t* only, const std::stop_token& stop)>;
 

@@ -60,7 +60,7 @@ SurfacePicture castSolid(const Solid& solid, const glm::vec3& color, const Place
     const glm::dmat3 linear(solid.worldToIndex);
     const DepthCue cue(box, look, camera);
     const glm::dvec3 towardsLight = keyLight(look, camera);
-    const glm::vec3 shown = color * float(std::exp2(-look.exposure)); // as asked for, at any exposure
+    const glm::vec3 shown = color * float(std::exp2(-look.exposure)); // undoes the exposure
     const std::vector<glm::vec3> background = look.backgroundRows(size.y);
     tbb::parallel_for(
         tbb::blocked_range<int>(camera.area().low.y, camera.area().high.y), [&](const tbb::blocked_range<int>& rows) {

@@ -32,8 +32,8 @@ struct SurfacePicture {
     std::vector<glm::vec3> normals; ///< world space, of length 1
 };
 
-/// The solid and the ground that each pixel's ray meets first; nothing if there is neither. Thread-safe.
-/// @param box of what stands before them  @param ray index among each pixel's rays
+/// The solid and the ground that each pixel's ray meets first; nullopt if there is neither. Thread-safe.
+/// @param box of the volume in front  @param ray index among each pixel's rays
 [[nodiscard]] std::optional<SurfacePicture> castSurfaces(const Scenery& scenery, const PlacedBox& box, const Look& look,
                                                          const Camera& camera, int ray);
 

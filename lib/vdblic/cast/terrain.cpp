@@ -37,7 +37,7 @@ class Columns {
     std::vector<T> mValues;
 };
 
-/// The heights of columns that stand on the bottom of a box; nothing if there are holes above others' tops.
+/// The heights of columns that stand on the bottom of a box; nullopt if there are holes above others' tops.
 std::optional<Columns<int>> heightsOf(const openvdb::MaskTree& rest, const openvdb::CoordBBox& box)
 {
     const openvdb::Coord size = box.dim();
@@ -159,7 +159,7 @@ openvdb::FloatGrid::Ptr terrainOf(const openvdb::MaskTree& rest, const openvdb::
             const int first = -plate - band, last = int(std::ceil(top + band * slope));
             const int belowSurface = int(std::floor(top - band * slope)) - 1;
             for (int z = first; z <= last; ++z) {
-                // Between plate and surface there is nothing to tell but near the sides.
+                // Between plate and surface, only voxels near the sides need a distance.
                 if (z == -plate + band && aside < -band) z = std::max(z, belowSurface);
                 const double distance = std::max({(z + 0.5 - top) / slope, -plate - (z + 0.5), aside});
                 if (std::abs(distance) < band) values.setValue(box.min() + openvdb::Coord(x, y, z), float(distance));

@@ -4,8 +4,8 @@
 
 namespace vdblic {
 
-/// The ground below a domain as a smooth surface, if what the domain leaves out of its box is ground: columns that
-/// stand on the box's bottom, with steps that are mostly small beside the range of heights. Bodies with walls are none.
+/// The ground below a domain as a smooth surface, if the inactive voxels of its box are ground: columns that stand on
+/// the box's bottom, with steps mostly small beside the range of heights. Bodies with walls are not ground.
 ///
 /// Heights belong to columns of the data's voxels, each several voxels of a refined domain; the surface is
 /// their uniform bicubic B-spline. So it has no stairs, and is off by less than a voxel of the data where heights are

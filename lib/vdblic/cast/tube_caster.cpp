@@ -28,7 +28,7 @@
 namespace vdblic {
 namespace {
 
-/// A ray on its way: what is left of the light, and what it has gathered.
+/// A ray being cast: its remaining transmittance and its accumulated colour and layers.
 struct TubeRay {
     TubeTree::Ray line;   ///< begins where cuts and the box's bounds let it
     glm::dvec3 direction; ///< in world space, of length 1
@@ -66,7 +66,7 @@ class Caster {
     {
     }
 
-    /// The ray through a pixel; nothing if cuts leave nothing of it. @param end depth of the surface behind
+    /// The ray through a pixel; nullopt if it is cut away. @param end depth of the surface behind
     [[nodiscard]] std::optional<TubeRay> rayOf(const PixelRays::Line& pixel, double end) const
     {
         const DepthSpan span(pixel, end, mCuts);
@@ -103,7 +103,7 @@ class Caster {
     }
 
   private:
-    /// Blend the tubes at some hits behind those that a ray has met.
+    /// Blend the tubes at the hits behind the ray's accumulated colour.
     VDBLIC_INLINE void blend(const TubeTree::Hit* hits, int count, TubeRay& ray) const
     {
         static_assert(TubeTree::kMostHits == kLanes);

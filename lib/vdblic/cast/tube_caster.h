@@ -15,12 +15,12 @@ struct RayCastParams;
 
 /// Cast a ray through each pixel's centre and blend the tubes that it enters, front to back, with early termination.
 ///
-/// A tube takes the same share of the light wherever a ray enters it: that of one voxel under the look's transfer
-/// function, with the line's own opacity as the texture's density. It is lit as the surface that it is. Where cuts
-/// begin inside of a tube, the tube's rest is not seen. The pixels do not depend on the number of threads. Thread-safe.
+/// A tube has one alpha wherever a ray enters it: one voxel's under the look's transfer function, with the line's own
+/// opacity as the texture's density. It is lit as a surface. A ray that starts inside a tube, at a cut, does not see
+/// that tube. The pixels do not depend on the number of threads. Thread-safe.
 /// @param tree    of the look
 /// @param params  valid
-/// @param ray, scenery, only, stop as those of castRays()
+/// @param ray, scenery, only, stop as in castRays()
 /// @throws Stopped if a stop was requested
 [[nodiscard]] Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, const RayCastParams& params,
                               int ray = 0, const Scenery& scenery = {}, const std::uint8_t* only = nullptr,

@@ -25,7 +25,7 @@ Vec3 placeOf(const Tubes::Point& point)
 
 /// The hull of two spheres.
 struct RoundCone {
-    Vec3 a, axis;         // centre of the first sphere, and the way to the second one's
+    Vec3 a, axis;         // centre of the first sphere, and the vector to the second one's
     float radius, shrink; // of the first sphere; by how much the second one is smaller
     float square;         // of the axis' length
 
@@ -98,7 +98,7 @@ std::optional<Entry> enter(const RoundCone& cone, const Vec3& from, const Vec3& 
     return best;
 }
 
-/// A ray on its way through Embree's tree, and what it has met so far.
+/// A ray in Embree's tree, and its hits so far.
 struct Query {
     RTCIntersectContext context; // first: Embree passes its address
     const TubeTree* tree;
@@ -130,8 +130,8 @@ bool isInner(const Tubes::Cone& cone, const Tubes::Point* ends, const Vec3& plac
            (cone.hasNext && RoundCone(ends[1], ends[2]).holds(place));
 }
 
-/// Keep a hit if it is among the nearest, and only those up to the one behind which no light is left. There the ray
-/// ends.
+/// Keep a hit if it is among the nearest. The ray ends at the hit that leaves too little light, and
+/// hits beyond it are dropped.
 void keep(const TubeTree::Hit& hit, Query& query, float& end)
 {
     int at = query.count;
@@ -181,7 +181,7 @@ RTCDevice device()
     constexpr const char* kNoCache = "tessellation_cache_size=0"; // for subdivision surfaces; else 128 MiB
     static const std::shared_ptr<RTCDeviceTy> made(rtcNewDevice(kNoCache),
                                                    [](RTCDevice old) { rtcReleaseDevice(old); });
-    if (!made) throw std::bad_alloc(); // what else it needs, any processor has
+    if (!made) throw std::bad_alloc(); // every processor meets Embree's other needs
     return made.get();
 }
 

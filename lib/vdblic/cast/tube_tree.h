@@ -22,17 +22,17 @@ class TubeTree {
     TubeTree(const Tubes& tubes, const Look& look);
 
     [[nodiscard]] const Tubes& tubes() const { return mTubes; }
-    /// The cones of which something is seen, in order.
+    /// The cones with a visible part, in order.
     [[nodiscard]] const std::vector<std::uint32_t>& cones() const { return mCones; }
-    /// The share of the light that a tube takes. @param driver not NaN  @param opacity of the line
+    /// The alpha of a tube. @param driver not NaN  @param opacity of the line
     [[nodiscard]] float alpha(float driver, float opacity) const;
 
     /// Where a ray enters a tube.
     struct Hit {
         float distance;
         std::uint32_t cone;
-        float share;     ///< of the way from the cone's first point to its second
-        float alpha;     ///< share of the light that the tube takes
+        float share;     ///< position between the cone's first point, 0, and its second, 1
+        float alpha;     ///< of the tube
         float normal[3]; ///< outward, of length 1
     };
     /// A ray in the tubes' own space.
@@ -44,9 +44,9 @@ class TubeTree {
     static constexpr int kMostHits = 8;
 
     /// The nearest places where a ray enters visible tubes, in order: by distance, then by the number of the cone.
-    /// @param after  hits up to this one are left out; null: none is
-    /// @param left   of the light at the beginning
-    /// @param hits   receives up to kMostHits, the last of which may take what is left of the light
+    /// @param after  skip hits up to this one; null: skip none
+    /// @param left   transmittance before the first hit
+    /// @param hits   receives up to kMostHits; the last one may absorb the rest of the light
     /// @return their number
     int nearest(const Ray& ray, const Hit* after, float left, Hit* hits) const;
 

@@ -21,7 +21,7 @@
 namespace vdblic {
 namespace {
 
-/// How many times finer than the lines' voxels those of their box are: as fine as the light's cells allow.
+/// Voxels of the box along a voxel of the lines: as fine as the light's cells allow.
 double finenessFor(const glm::dvec3& extent)
 {
     constexpr double kMostCells = 1 << 20, kCell = 2;

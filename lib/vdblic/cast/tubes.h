@@ -36,25 +36,24 @@ class Tubes : public PlacedBox {
     [[nodiscard]] bool empty() const { return mCones.empty(); }
     /// Cones that are left out because a scalar is not a finite number.
     [[nodiscard]] std::size_t unusable() const { return mUnusable; }
-    /// Estimate of the memory that this takes.
+    /// Estimated memory [bytes].
     [[nodiscard]] double bytes() const;
 
-    /// Values at places that are evenly spread along all lines, a few hundred thousand; the texture is the opacity that
-    /// the lines have there.
+    /// Values at a few hundred thousand places, evenly spaced along all lines; the texture is the lines' opacity.
     [[nodiscard]] VolumeSamples samples() const;
-    /// How many tubes a straight line through the box meets, in the mean over all lines (Cauchy's formula 1841).
+    /// Mean number of tubes that a straight line through the box meets (Cauchy's formula 1841).
     [[nodiscard]] double crossings() const;
     /// The least and the greatest value of the scalar that opacity follows.
     [[nodiscard]] LeafRange range() const;
 
-    /// A part of a tube that is so short that all of it has the same values.
+    /// A part of a tube short enough for constant values.
     struct Piece {
         glm::dvec3 place; ///< index space of the box
         float driver, opacity;
         double area; ///< of its shadow, in the mean over all directions [faces of a voxel]
     };
-    /// Call a function for pieces of some tubes, in order: as long as a cell of the light at most, but for very long
-    /// cones.
+    /// Call a function for the pieces of cones, in order. A piece is no longer than a cell of the light, except in very
+    /// long cones.
     /// @param cones their numbers  @param cell edge of a cell [voxels of the box]
     template<typename Use>
     void forPieces(const std::vector<std::uint32_t>& cones, int cell, const Use& use) const;
@@ -62,7 +61,7 @@ class Tubes : public PlacedBox {
     /// From the picture's world to the tubes' own space, whose unit is about a voxel.
     [[nodiscard]] const glm::dmat4& worldToTubes() const { return mWorldToTubes; }
     [[nodiscard]] double unitsPerWorld() const { return mUnitsPerWorld; }
-    /// A value on a cone. @param values one a point; a NaN at one end gives way to the other end
+    /// A value on a cone. @param values one a point; if one end is NaN, the other end's
     [[nodiscard]] static float valueAt(const std::vector<float>& values, std::uint32_t first, float share);
     [[nodiscard]] const std::vector<float>& drivers() const { return mValues.driver; }
     [[nodiscard]] const std::vector<float>& colors() const { return mValues.color; }
@@ -76,7 +75,7 @@ class Tubes : public PlacedBox {
         std::uint32_t first; ///< of its points
         bool hasPrevious, hasNext;
     };
-    /// The two points of a cone, between those of its line.
+    /// The two points of a cone; its line's other points stand before and after them.
     [[nodiscard]] const Point* points(std::uint32_t cone) const { return mPoints.data() + mCones[cone].first; }
     [[nodiscard]] const std::vector<Cone>& cones() const { return mCones; }
 

@@ -28,7 +28,7 @@ constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPointsOfBlock = 512; // one sum for each block of points: a fixed order of additions for any threads
 constexpr float kIsolated = 0.05f;
 
-/// What is summed over the points of a class.
+/// Sums over the points of a class.
 struct ClassSums {
     std::size_t points = 0, isolated = 0;
     double line = 0, sum = 0, squares = 0;
@@ -55,7 +55,7 @@ struct Measured {
     const VelocityField& field;
     const PathlineParams& pathline;
     RandomVoxels voxels;
-    std::size_t samples; // one of each of so many parts of the domain
+    std::size_t samples; // number of parts of the domain, each with one sample
 };
 
 /// A voxel at which the texture is measured.
@@ -85,7 +85,7 @@ bool copyAround(const SmoothedTexture& texture, Int4 centre, TextureCube& cube)
     return true;
 }
 
-/// Add what the voxels around a point show.
+/// Add the spatial figures of the voxels around a point.
 void addCube(const TextureCube& cube, Float4 velocity, ClassSums& sums)
 {
     ++sums.points;

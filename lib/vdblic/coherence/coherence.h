@@ -14,17 +14,17 @@ class VelocityField;
 ///
 /// Points are chosen by a hash of their number and the frame, uniformly over the texture's voxels and inside them. A
 /// point counts where the eight voxels around it have values and the flow moves by params.leastMotion. The temporal
-/// figures take the points for which the successor, too, has values at the same position and at the end of the pathline
+/// figures use the points for which the successor, too, has values at the same position and at the end of the pathline
 /// (advancePaths()). The spatial figures follow the streamline of the velocity at the step's start from each point, and
 /// a straight line perpendicular to it in a direction that the hash chooses; a point counts for the lags up to which
 /// its line stays inside.
 /// All correlations are Pearson's, of trilinearly interpolated values.
 ///
-/// A texture may be finer than the velocity. Lags, lengths, the least motion and the right angle are those of the
-/// velocity's index space, so that they mean the same for textures of different voxels. The smoothing filter is three
+/// A texture may be finer than the velocity. Lags, lengths, the least motion and the right angle are in the
+/// velocity's index space, so that they compare across textures of different voxels. The smoothing filter is three
 /// texture voxels wide and the integrator's tolerance is in texture voxels, as in vdblic_advect.
 ///
-/// The figures by displacement are those of measureCleanness() with the same parameters.
+/// measureCleanness() gives the figures by displacement, with the same parameters.
 ///
 /// @param next  the successor; null if there is none
 /// @param field velocity over the step, on the texture's domain and with its refinement

@@ -21,9 +21,9 @@ inline constexpr double kLongestLag = 16;
 /// @param factors of the texture's refinement; the texture voxel is the smallest along any axis
 [[nodiscard]] std::vector<double> coherenceLags(const std::array<int, 3>& factors);
 
-/// What is measured of one texture. A figure that cannot be computed is not-a-number.
+/// The figures of one texture. A figure that cannot be computed is not-a-number.
 struct CoherenceFigures {
-    double temporal;  ///< correlation of the texture with its successor where the flow carries it to
+    double temporal;  ///< correlation of the texture with its successor at the ends of pathlines
     double samePlace; ///< correlation of the texture with its successor at the same position
     double gain;      ///< temporal − samePlace
 
@@ -50,13 +50,13 @@ inline constexpr std::array<NamedFigure, 8> kNamedFigures = {{{"temporal", &Cohe
                                                               {"deviation", &CoherenceFigures::deviation},
                                                               {"saturated", &CoherenceFigures::saturated}}};
 
-/// What a grid `hits` of a texture file holds.
+/// Statistics of the grid `hits` of a texture file.
 struct HitFigures {
-    double mean = 0;      ///< hits of a voxel
-    double zeroShare = 0; ///< share of voxels without any
+    double mean = 0;      ///< hits per voxel
+    double zeroShare = 0; ///< share of voxels without hits
 };
 
-/// What is measured of one frame.
+/// The figures of one frame.
 struct FrameCoherence {
     std::int64_t frame = 1;
     std::size_t points = 0;         ///< of the spatial figures at the shortest lag

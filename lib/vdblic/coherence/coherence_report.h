@@ -11,10 +11,10 @@ namespace vdblic {
 [[nodiscard]] std::string frameHeading();
 /// The main figures of a frame in one line, raw | smoothed.
 [[nodiscard]] std::string frameLine(const FrameCoherence& frame);
-/// Every mean with its confidence interval, line by line.
+/// Lines of text: every mean with its confidence interval.
 [[nodiscard]] std::vector<std::string> meanLines(const SequenceCoherence& coherence);
 
-/// The means by class of displacement, line by line.
+/// Lines of text: the means by class of displacement.
 [[nodiscard]] std::vector<std::string> displacementLines(const SequenceCoherence& coherence);
 
 /// The same of sparse textures.
@@ -22,7 +22,7 @@ namespace vdblic {
 [[nodiscard]] std::string sparseLine(const SparseCoherence& frame);
 [[nodiscard]] std::vector<std::string> sparseMeanLines(const SequenceCoherence& coherence);
 
-/// Everything that was measured, as JSON with two spaces of indentation (docs/measure.md); unknown figures are null.
+/// All figures as JSON with two spaces of indentation (docs/measure.md); unknown figures are null.
 [[nodiscard]] std::string toJson(const SequenceCoherence& coherence, const SequenceCoherenceParams& params);
 
 } // namespace vdblic

@@ -133,7 +133,7 @@ MeasuredTexture readTexture(const std::filesystem::path& path, const std::string
     return loaded;
 }
 
-/// The refinement of a texture. @throws InputError if its transform is not that of the velocity or a refined one
+/// The refinement of a texture. @throws InputError if its transform is neither the velocity's nor a refinement of it
 Refinement refinementOf(const VelocityFrame& velocity, const openvdb::math::Transform& texture,
                         const std::filesystem::path& path, const std::string& gridName)
 {

@@ -24,7 +24,7 @@ struct MeanCleanness {
     std::array<Estimate, kCleannessFigures.size()> figures; ///< in the order of kCleannessFigures
 };
 
-/// Of sparse textures only `refine` and `sparse` are measured, of others all but `sparse`.
+/// Sparse textures set only `refine` and `sparse`; dense ones set all but `sparse`.
 struct SequenceCoherence {
     std::array<int, 3> refine{1, 1, 1}; ///< texture voxels in a voxel of the velocity, along each axis
     std::vector<double> lags;           ///< of every autocorrelation: coherenceLags()
@@ -38,8 +38,8 @@ struct SequenceCoherence {
 /// Measure every frame of a texture sequence, and report each one as soon as its figures are known.
 ///
 /// The successor of a frame is the next one selected; the last frame has no successor and no temporal figures. The
-/// texture may be finer than the velocity; their transforms show the refinement. Of textures with substeps, those at
-/// the velocity's frames are measured. Textures whose inactive voxels are empty have figures of their own.
+/// texture may be finer than the velocity; their transforms show the refinement. Textures at
+/// substeps between the velocity's frames are skipped. Sparse textures have figures of their own.
 /// @throws ParameterError; InputError if the velocity or the texture of a frame is missing, if the texture's transform
 ///         is not a refinement of the velocity's, the same in every frame; if
 ///         some textures are sparse and others not;

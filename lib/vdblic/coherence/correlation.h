@@ -7,7 +7,7 @@
 
 namespace vdblic {
 
-/// Sums for Pearson's correlation, taken about the middle of a texture's range to limit cancellation.
+/// Sums for Pearson's correlation, about the middle of a texture's range to limit cancellation.
 class Correlation {
   public:
     void add(float a, float b)
@@ -27,7 +27,7 @@ class Correlation {
         mCount += other.mCount;
     }
     [[nodiscard]] std::size_t count() const { return mCount; }
-    /// Not-a-number if either texture is constant or nothing was added.
+    /// Not-a-number if either texture is constant or no pair was added.
     [[nodiscard]] double value() const
     {
         const double n = double(mCount), x = mSums[0] / n, y = mSums[1] / n;

@@ -11,7 +11,7 @@ struct Estimate {
     int frames;       ///< that have the figure
 };
 
-/// Estimate a mean by Student's t distribution from the spread of the values, which are taken as independent.
+/// Estimate a mean by Student's t distribution from the spread of the values, assumed independent.
 /// @param values not-a-number where a frame lacks the figure
 [[nodiscard]] Estimate estimateMean(const std::vector<double>& values);
 

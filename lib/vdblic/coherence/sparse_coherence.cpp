@@ -24,7 +24,7 @@ namespace {
 using openvdb::Coord;
 
 constexpr float kVisible = 0.15f;
-constexpr float kHalf = 0.5f; // of a value: less is not the same streak
+constexpr float kHalf = 0.5f; // of a value: a smaller one is another streak
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr int kBlock = 512; // points: one sum for each block, so that additions have one order
 
@@ -88,7 +88,7 @@ struct SparseSums {
     }
 };
 
-/// Look where the flow carries points to. @param field of the step from their texture to another one
+/// Evaluate `there` at the ends of pathlines. @param field of the step from the points' texture to `there`
 void follow(const VelocityField& field, const CoherenceParams& params, const IndexSpaces& spaces, const Values& there,
             const std::vector<SparsePoint>& points, SparseSums& sums)
 {
@@ -168,7 +168,7 @@ std::vector<Head> headsOf(const SparseTexture& texture, const VelocityField& fie
 {
     constexpr float kAhead = 0.25f;       // spacings: beyond the round end of a head
     constexpr float kAtMostAhead = 0.25f; // of a head's value
-    constexpr float kBright = 0.3f;       // what fades in or out does not count
+    constexpr float kBright = 0.3f;       // excludes heads that fade in or out
     const IndexSpaces spaces(texture.refinement);
     const Domain& domain = *texture.domain;
     Float4 ahead{};
@@ -224,7 +224,7 @@ std::vector<float> distancesApart(std::vector<Head> heads, const SparseTexture& 
         }
         return std::sqrt(sum);
     };
-    // The brightest of those that belong together stands for them.
+    // The brightest of a cluster represents it.
     std::sort(heads.begin(), heads.end(), [](const Head& a, const Head& b) {
         return a.value > b.value || (a.value == b.value && a.voxel < b.voxel);
     });

@@ -29,17 +29,17 @@ struct SparseTexture {
 /// Points are chosen by a hash, uniformly over active voxels. One counts where the texture is above 0.15, so that it
 /// can be seen, and the flow moves by a texture voxel or more in the step. Downstream is a texture voxel along the
 /// velocity; values are trilinear. A tail is the path of its head: in a steady flow it moves with the flow, and in an
-/// unsteady one it stays and fades. So a voxel vanishes if none of the 27 voxels around the end of its pathline, and of
-/// those around itself, has half of its value in the successor. It appears by the same rule against time. Pathlines
-/// that leave the domain do not count.
+/// unsteady one it stays and fades. So a voxel vanishes if the successor has half of its value neither in the 27 voxels
+/// around it nor in the 27 around the end of its pathline. It appears by the same rule against time. Pathlines that
+/// leave the domain do not count.
 ///
-/// A head is a voxel that none around it exceeds, with a tail upstream and next to nothing a quarter of a spacing
-/// downstream. Of several within 0.3 spacings the brightest counts, and what fades in or out does not. So heads are
-/// found to a voxel, and some of them are not heads: the first percents of their distances are bounds from below.
+/// A head is a local maximum with a tail upstream and almost zero a quarter of a spacing downstream. The brightest of
+/// several within 0.3 spacings counts; heads that fade in or out do not. So heads are located to a voxel, and some are
+/// false: the first percentiles of their distances are lower bounds.
 ///
 /// @param next     the successor; null if there is none
 /// @param forward  velocity over the step, on the velocity's own voxels, in voxels of the velocity per step
-/// @param backward the same against time, from the successor's time on; null if there is no successor
+/// @param backward velocity against time, from the successor's time on; null if there is no successor
 /// Computed in parallel; the result is bit-identical for any number of threads. @throws ParameterError
 [[nodiscard]] SparseCoherence measureSparse(const SparseTexture& texture, const SparseTexture* next,
                                             const VelocityField& forward, const VelocityField* backward,

@@ -6,18 +6,18 @@
 
 namespace vdblic {
 
-/// What is measured of one sparse texture, against its velocity and its successor. A figure that cannot be computed is
+/// The figures of one sparse texture, against its velocity and its successor. A figure that cannot be computed is
 /// not-a-number.
 struct SparseFigures {
     double held;      ///< share of the texture voxels of the velocity's domain that are active
     double rising;    ///< share of visible voxels whose value rises downstream: 1 shows the direction, ½ does not
-    double temporal;  ///< correlation with the successor where the flow carries visible voxels to
+    double temporal;  ///< correlation of visible voxels with the successor at their pathlines' ends
     double samePlace; ///< correlation with the successor at the same position
     double
         vanishing; ///< share of visible voxels that the successor has neither there nor where the flow carries them to
-    double appearing;   ///< share of visible voxels of the successor for which the same holds against time
+    double appearing;   ///< share of the successor's visible voxels that vanish against time
     double lowApart;    ///< 1st percentile of the distance of a head to the next one [spacings]; 1 where none is nearer
-    double medianApart; ///< median of the same
+    double medianApart; ///< median of this distance
 };
 
 /// A figure of a sparse texture, and its name in reports.
@@ -34,10 +34,10 @@ inline constexpr std::array<NamedSparseFigure, 8> kSparseFigures = {{{"held", &S
                                                                      {"low_apart", &SparseFigures::lowApart},
                                                                      {"median_apart", &SparseFigures::medianApart}}};
 
-/// What is measured of one frame of sparse textures.
+/// The figures of one frame of a sparse texture.
 struct SparseCoherence {
     std::int64_t frame = 1;
-    std::size_t points = 0; ///< visible voxels of moving fluid that were looked at
+    std::size_t points = 0; ///< sampled visible voxels of moving fluid
     std::size_t heads = 0;  ///< of streaks
     SparseFigures figures;
 };

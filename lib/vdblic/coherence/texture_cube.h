@@ -37,7 +37,7 @@ class TextureCube {
 
     struct Lines {
         double strength = 0;                           ///< (w2 − w1) / (w2 + w1): 1 for straight lines, 0 for grains
-        std::optional<openvdb::math::Vec3d> direction; ///< unit length; none of layers and of a constant
+        std::optional<openvdb::math::Vec3d> direction; ///< unit length; none for layers or a constant
     };
     /// The lines that the structure tensor shows, whose eigenvalues are w1 ≤ w2 ≤ w3. The tensor is the mean over the
     /// inner voxels of the products of the gradient's components, by central differences.

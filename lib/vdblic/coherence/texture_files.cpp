@@ -52,7 +52,7 @@ std::filesystem::path TextureFiles::path(std::int64_t frame) const
                                : std::filesystem::path(mPattern.text());
 }
 
-/// Read from some texture how the textures are numbered, and how far their flow moves.
+/// Read the numbering and the step of the textures from one of them.
 void TextureFiles::readFirst()
 {
     const std::vector<std::int64_t> numbers =

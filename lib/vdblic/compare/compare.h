@@ -25,14 +25,14 @@ struct VdbFile;
 /// The names of metadata that describe how and when a file was made, not its content.
 [[nodiscard]] std::vector<std::string> creationMetadata();
 
-/// What counts as a difference. The tolerances mean the same as in OpenImageIO's idiff.
+/// The tolerances of a comparison. They mean the same as in OpenImageIO's idiff.
 struct CompareParams {
     double fail = 0;                  ///< errors up to this are within tolerance [unit of the values]
-    double relative = 0;              ///< so are errors up to this share of max(|a|, |b|)
+    double relative = 0;              ///< errors up to this share of max(|a|, |b|) are, too
     double failPercent = 0;           ///< share of the compared voxels that may fail [%]
     bool inactive = false;            ///< also compare inactive voxels where either grid differs from its background
     double transformTolerance = 1e-3; ///< largest shift of a voxel between the transforms [voxels]
-    std::vector<std::string> ignoredMetadata = creationMetadata(); ///< names; a last `*` stands for any rest
+    std::vector<std::string> ignoredMetadata = creationMetadata(); ///< names; a final `*` matches any ending
 
     /// @throws ParameterError naming the parameter, its value and its range
     void validate() const;

@@ -89,7 +89,7 @@ struct PointDifference {
     [[nodiscard]] Verdict verdict() const;
 };
 
-/// How two grids of the same name differ.
+/// The differences of two grids of the same name.
 struct GridDifference {
     std::string name;
     int occurrence = 0;       ///< 0 for the first grid of this name in its file
@@ -103,7 +103,7 @@ struct GridDifference {
     [[nodiscard]] Verdict verdict() const;
 };
 
-/// How two files differ: the grids of A in file order, then those that only B has.
+/// The differences of two files: the grids of A in file order, then the grids only in B.
 struct FileDifference {
     std::string pathA, pathB;
     std::vector<MetadataDifference> metadata;

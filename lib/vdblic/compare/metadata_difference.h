@@ -14,7 +14,7 @@ namespace vdblic::compare {
 ///
 /// Equal numbers of different numeric types are equal. Numbers with a fraction are equal within a billionth of the
 /// larger one, in single precision a millionth.
-/// @param ignored names left out; a last `*` stands for any rest
+/// @param ignored names to skip; a final `*` matches any ending
 [[nodiscard]] std::vector<MetadataDifference> compareMetadata(const openvdb::MetaMap& a, const openvdb::MetaMap& b,
                                                               const std::vector<std::string>& ignored);
 

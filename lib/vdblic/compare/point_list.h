@@ -33,7 +33,7 @@ class PointList {
 
     /// The type of an attribute, such as "float", "vec3s" or "int32[4]"; empty if there is none.
     [[nodiscard]] std::string typeOf(const std::string& attribute) const;
-    /// The names of the attributes, without those that hold groups.
+    /// The names of the attributes, without groups.
     [[nodiscard]] std::vector<std::string> attributes() const;
     [[nodiscard]] std::vector<std::string> groups() const;
     /// The number of values of a point in an attribute.

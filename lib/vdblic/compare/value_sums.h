@@ -73,7 +73,7 @@ template<typename IndexOf>
 void addBlock(ValueSums& sums, const ErrorBlock& block, const Tolerances& tolerances, const IndexOf& indexOf)
 {
     ValueSums part = sumBlock(block, tolerances);
-    // A search takes longer than the sums, so it is made only where it can matter.
+    // Searching is slower than summing: search only blocks that can change the result.
     if (part.failing > 0) part.first = indexOf(firstFailing(block, tolerances));
     if (part.max > 0 && part.max >= sums.max) part.worst = indexOf(firstOfError(block, part.max));
     sums.add(part);

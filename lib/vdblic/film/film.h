@@ -16,21 +16,21 @@
 
 namespace vdblic {
 
-/// What a film shows: sparse streaks, or a texture in every voxel.
+/// The texture of a film: sparse streaks, or a dense texture.
 enum class FilmMethod { kStreaks, kDense };
 template<>
 inline constexpr auto kNames<FilmMethod> = std::to_array<std::string_view>({"streaks", "dense"});
 
-/// From a velocity sequence to a film, or to a still. All else is chosen from the data (planFilm()).
+/// The parameters of a film or a still of a velocity sequence. planFilm() chooses all others from the data.
 struct FilmParams {
     SequenceParams input;
     std::string output;              ///< .mp4 film, or .png still of the middle frame
-    std::optional<double> seconds{}; ///< of the film; nothing: what suits the flow, 5 to 10
-    std::optional<double> fps{};     ///< pictures a second; nothing: 24, of a preview 12
+    std::optional<double> seconds{}; ///< length of the film; unset: 5 to 10, by the flow
+    std::optional<double> fps{};     ///< pictures a second; unset: 24, in a preview 12
     std::array<int, 2> size{1280, 720};
     std::string look{}; ///< empty: the method's
     ViewSide view = ViewSide::kThreeQuarter;
-    std::string solid{};                     ///< as PictureParams has it; empty: what the flow leaves out of its box
+    std::string solid{};                     ///< as in PictureParams; empty: the box's inactive voxels
     glm::dvec3 solidColor{0.42, 0.44, 0.47}; ///< as displayed; darker than the flow
     bool plain = false;                      ///< without colour bar, time and scale bar
     double orbit = 0;                        ///< turns of the camera during the film
@@ -47,8 +47,8 @@ struct FilmParams {
 /// Make a film or a still from a velocity sequence: plan, compute the textures, render them.
 ///
 /// Textures wait in the folder OUTPUT.textures until the output is complete; then the folder is removed. After an
-/// interruption the same call goes on with those that are finished, and writes the same output. Textures of other
-/// parameters or of inputs that have changed since are replaced. One process at a time makes an output (OutputLock).
+/// interruption the same call reuses the finished ones and writes the same output. Textures of other parameters, or of
+/// inputs that have changed since, are replaced. One process at a time makes an output (OutputLock).
 ///
 /// @throws ParameterError, InputError, OutputError, Stopped
 void makeFilm(const FilmParams& params, Reporter& reporter);

@@ -20,7 +20,7 @@ class CairoCanvas {
     void setColor(const glm::dvec3& color, double alpha = 1) const;
     void drawLine(const glm::dvec2& from, const glm::dvec2& to) const;
     /// @param point  on the baseline
-    /// @param anchor what of the text is at the point: 0 its begin, ½ its middle, 1 its end
+    /// @param anchor place of the point in the text: 0 begin, ½ middle, 1 end
     void drawText(const glm::dvec2& point, double anchor, const std::string& text) const;
 
   private:

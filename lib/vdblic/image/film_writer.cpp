@@ -66,7 +66,7 @@ bool visitBoxes(std::ifstream& file, std::uint64_t begin, std::uint64_t end, con
     return true;
 }
 
-/// Why nothing can be added to a file, such as a full disk: ffmpeg does not tell. Empty if something can.
+/// The reason why a file cannot grow, such as a full disk, which ffmpeg does not report. Empty if it can.
 std::string writeFault(const std::filesystem::path& path)
 {
     const int file = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
@@ -165,7 +165,7 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, const glm::ivec2& size
     mInput = toInput;
     mMessages = fromMessages;
     if (error == 0) {
-        rlimit data{}; // a tool's limit is its own, and ffmpeg takes more than the least one
+        rlimit data{}; // lifts the tool's own limit: ffmpeg may need more
         ::getrlimit(RLIMIT_DATA, &data);
         data.rlim_cur = data.rlim_max;
         ::prlimit(mProcess, RLIMIT_DATA, &data, nullptr);

@@ -12,7 +12,7 @@
 namespace vdblic {
 
 /// An .mp4 film (H.264), written frame by frame through a pipe to ffmpeg. It appears under its name when it is
-/// complete; without finish() nothing stays.
+/// complete; without finish() no file remains.
 class FilmWriter {
   public:
     /// @throws OutputError if there is no ffmpeg, or the folder is not writable

@@ -35,7 +35,7 @@ struct ImageHeader {
 struct Background {
     glm::dvec3 color{0.04, 0.05, 0.07}; ///< at the bottom, from where it changes evenly to `top`
     double alpha = 0;
-    std::optional<glm::dvec3> top{}; ///< nothing: one colour all over
+    std::optional<glm::dvec3> top{}; ///< unset: one colour for all rows
 
     /// As displayed. @param down share of the picture's height, 0 at its top to 1
     [[nodiscard]] glm::dvec3 at(double down) const;
@@ -46,7 +46,7 @@ struct Background {
 };
 [[nodiscard]] Parameters parametersOf(Background& params);
 
-/// What an .exr file can hold besides colour and alpha.
+/// The layers of an .exr file besides colour and alpha.
 enum class ImageLayer { kDepth, kNormal, kDriver, kTexture, kSamples };
 
 /// `depth`, `normal`, `magnitude` (the scalar that colours), `texture`, `samples`, or `all`. @throws ParameterError on
@@ -72,8 +72,8 @@ struct ExrParams {
 [[nodiscard]] std::string encodeExr(const Image& image, const ImageHeader& header, const Background& background,
                                     const ExrParams& params = {});
 /// The picture as displayed: 8-bit sRGB, toneMapped(), annotations over it and the background's colour behind it; red,
-/// green and blue of each pixel, rows from the top. Background and annotations have their colours: the curve leaves
-/// what is no brighter than the background as it is.
+/// green and blue of each pixel, rows from the top. Background and annotations keep their colours: the tone curve
+/// leaves values up to the background's brightness unchanged.
 [[nodiscard]] std::string displayBytes(const Image& image, const Background& background);
 /// The bytes of a .png file that shows displayBytes().
 [[nodiscard]] std::string encodePng(const Image& image, const Background& background);

@@ -10,7 +10,7 @@
 
 namespace vdblic {
 
-/// A vector as the command line takes it: three numbers apart by spaces.
+/// A vector as command lines have it: three numbers separated by spaces.
 inline std::string vectorText(const glm::dvec3& v)
 {
     return fmt::format("{} {} {}", v.x, v.y, v.z);

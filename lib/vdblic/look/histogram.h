@@ -52,8 +52,8 @@ struct ScalarNames {
 [[nodiscard]] std::string histogramJson(const TextureHistograms& histograms, const Look& look,
                                         const ScalarNames& names);
 
-/// The histograms as a picture in PNG, the transfer function drawn over those of the scalars. Equal input gives equal
-/// bytes.
+/// The histograms as a picture in PNG, the transfer function drawn over the scalars' histograms. Equal input gives
+/// equal bytes.
 [[nodiscard]] std::string histogramPng(const TextureHistograms& histograms, const Look& look, const ScalarNames& names);
 
 /// @throws ParameterError unless the file ends in .json or .png

@@ -29,7 +29,7 @@ constexpr std::array<glm::dvec3, 16> kColors{{{0.98, 0.55, 0.12},
                                               {0.16, 0.55, 0.50},
                                               {0.80, 0.74, 0.98}}};
 
-constexpr double kNoneShare = 0.12; ///< optical depth of no kind, over that of a kind
+constexpr double kNoneShare = 0.12; ///< optical depth of unclassified voxels over that of a kind
 
 } // namespace
 

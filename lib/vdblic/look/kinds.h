@@ -15,7 +15,7 @@ namespace vdblic {
 /// shows as numbers.
 void colorByKind(TransferParams& params);
 
-/// Opacity that is the same for all kinds, and less for no kind. It is scaled as chooseLook() says.
+/// One opacity for all kinds, and a smaller one for unclassified voxels. Scaled as in chooseLook().
 /// @param samples    not empty, with the kinds as drivers
 /// @param voxelDepth mean optical depth of a voxel
 [[nodiscard]] std::vector<OpacityPoint> opacityOfKinds(const VolumeSamples& samples, double voxelDepth,

@@ -66,7 +66,7 @@ struct TextureModulation {
 /// Visibility-impeding halos (Interrante & Grosch 1998): the flanks of a streak hide the volume behind them, so that a
 /// streak in front stands apart. Only flanks seen edge-on count (Ebert & Rheingans 2000): no streak hides itself.
 struct Halo {
-    float strength = 0; ///< extinction of a flank over that of its streak; 0: none
+    float strength = 0; ///< ratio of a flank's extinction to its streak's; 0: none
 
     /// Factor on the extinction, above 0 only between half the foot and the streak itself.
     [[nodiscard]] VDBLIC_INLINE Float8 density(const TextureModulation& texture, Float8 stretched) const
@@ -90,7 +90,7 @@ struct Look {
     float shadows = 0;       ///< see LightGrid
     float occlusion = 0;     ///< see LightGrid
     double exposure = 0;     ///< of the picture [stops], which is applied after the rays (exposed())
-    Background background{}; ///< what halos and distance fade to
+    Background background{}; ///< colour that halos and distance fade to
 
     /// The largest stretched texture that has no opacity, whatever the scalar is; negative: all have one.
     [[nodiscard]] float hiddenStretched() const
@@ -111,18 +111,18 @@ struct Look {
     [[nodiscard]] bool contributes(const LeafRange& range) const;
 };
 
-/// Choose what the parameters leave open, so that an unknown volume can be read.
+/// Choose the unset parameters for unknown data.
 ///
-/// A scalar's range is its 2nd to 99th percentile; that of one that only opacity follows begins at 0 if it has both
+/// A scalar's range is its 2nd to 99th percentile; the range of a scalar for opacity only begins at 0 if it has both
 /// signs. Textures are stretched from the 10th to the 98th percentile. Opacity rises with its scalar. It is scaled so
 /// that a path as long as `thickness` has the mean optical depth `opticalDepth`: the front is seen, and faintly the
 /// depths behind, whatever the volume's size. Where colour tells kinds apart, each has a colour of its own (kinds.h).
-/// The exposure makes up for what rims, shadows and light take away, so that two thirds of the visible voxels are as
-/// bright as their colour in the colour bar or brighter. It is an estimate from samples and look, up to three stops,
-/// and depends neither on the camera nor on the frame.
+/// The exposure compensates the darkening by rims, shadows and light: two thirds of the visible voxels become at least
+/// as bright as their colour in the colour bar. It is estimated from samples and look, up to three stops, and depends
+/// neither on the camera nor on the frame.
 /// @param samples   of one frame or of several
 /// @param thickness [voxels], of lines the tubes that are met
-/// @param ofLines   whether the texture is the opacity of lines, which nothing stretches
+/// @param ofLines   whether the texture is the opacity of lines, which is not stretched
 /// @throws ParameterError; InputError if there is no sample
 [[nodiscard]] Look chooseLook(const LookParams& params, const VolumeSamples& samples, double thickness,
                               bool ofLines = false);

@@ -7,7 +7,7 @@
 
 namespace vdblic {
 
-/// How a picture is to look. chooseLook() chooses the unset values.
+/// The parameters of a picture's look. chooseLook() chooses the unset values.
 struct LookParams {
     TransferParams transfer;
     double textureStrength = 1; ///< of the modulation of opacity by texture, 0 to 1

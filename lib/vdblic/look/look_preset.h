@@ -21,7 +21,7 @@ struct LookPreset {
 /// The names lookPreset() knows.
 [[nodiscard]] std::vector<std::string> lookPresetNames();
 
-/// The look of a picture for which none is asked: `flow`, or of a sparse texture `streaks`.
+/// The default look: `flow`, or `streaks` for a sparse texture.
 [[nodiscard]] std::string defaultLookName(bool isSparse);
 
 /// `flow`: coloured streaks, lit; `vortex`: the same, opaque where the flow turns; `streaks`: lit

@@ -16,7 +16,7 @@ struct DirectionalLight {
     double intensity = 1;
 };
 
-/// How a sample is lit.
+/// The lighting model of samples.
 enum class ShadingModel {
     kSurface, ///< as a surface with the texture's gradient as its normal: Phong's reflection
     kLine,    ///< as a thin line in the direction of least change of the texture (Zöckler, Stalling & Hege 1996)

@@ -25,7 +25,7 @@ class TransferFunction {
     };
 
     /// Curves are constant before their first point and after their last one.
-    /// @param params with opacity and range set; without an opacity range, range is that of both
+    /// @param params with opacity and range set; without an opacity range, both scalars have `range`
     /// @throws ParameterError
     explicit TransferFunction(const TransferParams& params);
 
@@ -65,7 +65,7 @@ class TransferFunction {
 
     /// Whether any value between two bounds of the scalar that opacity follows has an opacity above 0.
     [[nodiscard]] bool contributes(float low, float high) const;
-    /// Whether all values between two bounds do.
+    /// Whether all values between two bounds have an opacity above 0.
     [[nodiscard]] bool contributesThroughout(float low, float high) const;
 
   private:

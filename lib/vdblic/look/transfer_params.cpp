@@ -12,7 +12,7 @@
 namespace vdblic {
 namespace {
 
-/// How a curve's points are written.
+/// The text form of a curve's points.
 struct PointSyntax {
     const char *name, *value, *example;
 };

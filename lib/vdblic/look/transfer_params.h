@@ -44,7 +44,7 @@ struct TransferParams {
     ValueScale colorScale = ValueScale::kLinear;
     std::optional<ValueScale> opacityScale{};
     std::string unit{}, opacityUnit{}; ///< of the two scalars, as pictures show them
-    /// Names of the values 0, 1, 2 and so on, where the scalar that colours tells kinds apart. 0 is none of them.
+    /// Names of the values 0, 1, 2 and so on, where the scalar for colour is a class number. 0 is unclassified.
     std::vector<std::string> kinds{};
 
     /// Whether a scalar that both colour and opacity follow has one range for both.

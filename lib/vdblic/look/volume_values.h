@@ -9,7 +9,7 @@ struct LeafRange {
     float lowDriver, highDriver, highTexture;
 };
 
-/// Values of a sample of a volume's shown voxels.
+/// Values at a sample of a volume's shown voxels.
 struct VolumeSamples {
     std::vector<float> texture, driver, color; ///< color is empty if the driver colours
 

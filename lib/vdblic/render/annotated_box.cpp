@@ -21,7 +21,7 @@ struct BoxEdge {
     bool facing[2];       // whether its faces are seen from outside
 };
 
-/// A corner in the picture [pixels]; nothing behind the eye.
+/// A corner in the picture [pixels]; nullopt behind the eye.
 std::optional<glm::dvec2> seen(const glm::dvec3& point, const Camera& camera)
 {
     const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(point, 1);
@@ -179,7 +179,7 @@ void drawAxes(const CairoCanvas& canvas, Labels& labels, const Corners& box, con
     double largest = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const std::optional<AxisEdge> edge = axisEdge(all, axis, box, stretch, camera, *middle);
-        // Beside a very short edge, a layer of voxels, numbers say nothing.
+        // A very short edge, such as of a layer of voxels, needs no numbers.
         if (!edge || glm::length(edge->end - edge->begin) < 2 * textSize) continue;
         edges.push_back(*edge);
         largest = std::max({largest, std::abs(edge->low), std::abs(edge->high)});

@@ -35,7 +35,7 @@ struct Label {
 /// Writes texts into a picture, none over another and none over its border.
 class Labels {
   public:
-    /// @param canvas outlives this; its font is that of all labels  @param textSize [pixels]
+    /// @param canvas outlives this; its font is for all labels  @param textSize [pixels]
     Labels(const CairoCanvas& canvas, const glm::dvec2& size, double textSize)
         : mCanvas(canvas), mSize(size), mTextSize(textSize)
     {
@@ -44,8 +44,8 @@ class Labels {
     [[nodiscard]] glm::dvec2 extent(const std::string& text) const; ///< of a text [pixels]
     /// Keep labels out of an area.
     void keepFree(const LabelArea& area) { mTaken.push_back(area); }
-    /// Write texts if they have room beside each other, and half of them or more beside what is there already; the
-    /// others are left out of the list. @return whether they are written
+    /// Write texts if they do not overlap each other, and half of them or more are clear of earlier texts. The others
+    /// are removed from the list. @return whether they are written
     bool write(std::vector<Label>& labels);
 
   private:

@@ -9,7 +9,7 @@ namespace vdblic {
 struct AnnotationParams {
     bool box = false;      ///< outline of the domain, its far edges behind the volume
     bool axes = false;     ///< ticks in world units along three edges of the domain
-    bool colorBar = false; ///< scales of what colour and opacity follow
+    bool colorBar = false; ///< scales of the scalars for colour and opacity
     bool time = false;     ///< frame and time
     bool scaleBar = false; ///< a bar of round length
     bool triad = false;    ///< directions of the axes

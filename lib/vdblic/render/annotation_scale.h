@@ -11,12 +11,12 @@
 
 namespace vdblic {
 
-/// A level bar in the picture and the length that it stands for.
+/// A horizontal bar in the picture and the length that it represents.
 struct ScaleBar {
     double length; ///< in the data's world; 1, 2 or 5 times a power of ten
     double width;  ///< [pixels]; up to a fifth of the picture's
 };
-/// Lengths of a perspective picture are those at the target's distance from the eye's plane.
+/// In a perspective picture lengths hold at the target's distance from the eye's plane.
 /// @param stretch of the picture's world
 [[nodiscard]] ScaleBar scaleBar(const Camera& camera, const glm::dvec3& stretch);
 

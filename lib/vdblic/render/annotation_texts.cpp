@@ -17,7 +17,7 @@ namespace {
 
 using Seconds = std::chrono::sys_seconds;
 
-/// A date and time in ISO 8601, such as 2005-08-28T12:00:00; nothing for any other text.
+/// A date and time in ISO 8601, such as 2005-08-28T12:00:00; nullopt for any other text.
 std::optional<Seconds> parseDate(const std::string& text)
 {
     int year = 0;

@@ -10,7 +10,7 @@
 
 namespace vdblic {
 
-/// The time of a frame, if its file tells it.
+/// The time of a frame, if its file has it.
 struct FrameClock {
     std::optional<double> time; ///< [s]
     std::optional<double> dt;   ///< to the next frame [s]; times are shown as finely as that

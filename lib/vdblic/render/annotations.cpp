@@ -30,8 +30,8 @@
 namespace vdblic {
 namespace {
 
-/// Draw the names of kinds at the left of their colours, one below the other in the order of their numbers, and what is
-/// of no kind last.
+/// Draw the names of kinds at the left of their colours, one below the other in the order of their numbers, and the
+/// unclassified one last.
 /// @param corner top right [pixels]  @param textSize of the canvas's font [pixels]
 /// @return the lower end of the drawing
 double drawLegend(const CairoCanvas& canvas, const glm::dvec2& corner, double textSize, const std::string& title,
@@ -182,7 +182,7 @@ std::vector<glm::dvec3> withRoom(std::vector<glm::dvec3> subject, const Annotati
             point = glm::mix(middle, point, kRoom);
     }
     if (params.colorBar) {
-        // The picture's share at the right is that of a bar; what fills the rest is as wide as the subject.
+        // Reserve the bar's share of the picture at the right; the subject fills the rest.
         const double share = kBarRoom / kLines * view.size().y / view.size().x;
         const glm::dvec3 aside = axes[0] * ((high.x - low.x) * share / (1 - std::min(share, 0.5)));
         for (std::size_t i = 0, count = subject.size(); i < count; ++i)

@@ -15,7 +15,7 @@ namespace vdblic {
 
 struct Look;
 
-/// What annotations tell of a picture.
+/// The content of annotations.
 struct AnnotationContent {
     Corners box;         ///< of the domain, in the picture's world
     glm::dvec3 stretch;  ///< of that world

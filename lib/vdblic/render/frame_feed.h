@@ -31,7 +31,7 @@ class FrameFeed {
     /// @throws ParameterError, InputError. Collective
     FrameFeed(const RenderPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange);
 
-    /// The next frame; nothing at the end, and after an error that ends the run.
+    /// The next frame; nullopt at the end, and after an error that ends the run.
     [[nodiscard]] std::optional<FrameTask> next();
     /// Null if no frame so far has an active voxel.
     [[nodiscard]] const View* view() const { return mView ? &*mView : nullptr; }

@@ -90,7 +90,7 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
     return result;
 }
 
-/// The frame's solid; null if there is none. One that is the same in all frames is made once.
+/// The frame's solid; null if there is none. A constant solid is made once.
 std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& loaded, RenderedFrame& frame) const
 {
     const PicturePlan& plan = mPlan.picture;

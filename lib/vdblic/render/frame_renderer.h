@@ -18,14 +18,14 @@
 
 namespace vdblic {
 
-/// A frame after its turn, without the image: what there is to tell of it, or an error.
+/// The report on a rendered frame, without the image; or its error.
 struct RenderedFrame {
     FrameFile file;
     const View* view = nullptr; ///< null if no frame so far has an active voxel
     bool hasColor = true;
     std::size_t unusableVoxels = 0;
-    double leftOut = 0;        ///< share of its box that the solid `domain` takes
-    std::string nothingSeen{}; ///< why the image shows nothing; empty if it shows something
+    double leftOut = 0;        ///< share of the frame's box inside the solid `domain`
+    std::string nothingSeen{}; ///< why the image shows nothing; else an empty text
     std::optional<TextureHistograms> histograms{};
     bool skipped = false, wasDamaged = false; ///< the image that was there
     std::string film{};                       ///< displayBytes() of the image, for a film
@@ -49,7 +49,7 @@ class FrameRenderer {
 
     /// Collective.
     /// @param loaded the frame if it was read before, else null
-    /// @param frame  with its file and view; receives what there is to tell
+    /// @param frame  with its file and view; receives the report
     /// @throws InputError naming the file; Stopped
     [[nodiscard]] FrameImage render(std::shared_ptr<const LoadedTexture> loaded, RenderedFrame& frame) const;
 

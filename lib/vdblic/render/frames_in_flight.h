@@ -9,20 +9,20 @@ struct FrameFile;
 struct PicturePlan;
 struct RenderPlan;
 
-/// Estimate of the memory that a frame takes by the number of its voxels; 0 if the file does not say it.
+/// Estimated memory of a frame by the number of its voxels [bytes]; 0 if the file does not have that number.
 [[nodiscard]] double frameBytes(const PicturePlan& plan, const FrameFile& file);
 
-/// Bytes that the system can give without swapping and this process may take.
+/// Bytes that this process may allocate without making the system swap.
 [[nodiscard]] double availableMemory();
 
 /// Number of frames to render at a time: one for each thread, but no more than half of the free memory holds; at least
 /// one. With fewer frames than threads, the threads share the tiles of each frame.
-/// @param frameBytes memory that one frame takes
+/// @param frameBytes memory of one frame
 [[nodiscard]] std::size_t framesInFlight(double frameBytes);
 /// The same for a given number of threads and of free bytes.
 [[nodiscard]] std::size_t framesInFlight(double frameBytes, std::size_t threads, double freeBytes);
 
-/// Whether ranks are to share each frame: if there are fewer frames than ranks, or if one takes more than half of a
+/// Whether ranks are to share each frame: if there are fewer frames than ranks, or if one needs more than half of a
 /// rank's memory. Else each rank renders frames of its own. Collective. @throws as selectFrames()
 [[nodiscard]] bool ranksShareFrames(const RenderPlan& plan, Exchange& exchange);
 

@@ -74,7 +74,7 @@ FrameClock clockOf(const openvdb::MetaMap& metadata)
     return {numericMetadata(metadata, "time"), numericMetadata(metadata, "dt"), textOf(metadata, "start")};
 }
 
-/// The unit of a scalar: its metadata `unit`, or that of speeds in the file's unit of length.
+/// The unit of a scalar: its metadata `unit`, or for speeds the file's unit of length per second.
 std::string unitOf(const openvdb::FloatGrid& scalar, const std::string& lengthUnit)
 {
     std::string unit = textOf(scalar, "unit");
@@ -110,7 +110,7 @@ int rimOf(const PicturePlan& plan)
     return plan.look.shading.model == ShadingModel::kLine ? LeafVoxel::kDim : 0;
 }
 
-/// The memory that a leaf of a frame's two grids takes, and the tables of its picture.
+/// The memory of a leaf of a frame's two grids, and of the tables of its picture.
 constexpr double kLeafBytes =
     2 * (sizeof(openvdb::FloatTree::LeafNodeType::Buffer) + LeafVoxel::kCount * sizeof(float)) +
     double(VisibleSpace::kBytesPerLeaf);
@@ -191,7 +191,7 @@ std::vector<float> scalarOf(const Lines& lines, const std::string& name, const V
                                  file.path.string(), name, fmt::join(names, ", "), option, name));
 }
 
-/// The first of some scalars that lines have; the first of all if they have none.
+/// The first of `names` that the lines have; the first name if they have none of them.
 std::string chosenScalar(const Lines& lines, const std::vector<std::string>& names)
 {
     const auto has = [&](const std::string& name) {
@@ -202,7 +202,7 @@ std::string chosenScalar(const Lines& lines, const std::vector<std::string>& nam
     return found == names.end() ? names.front() : *found;
 }
 
-/// The unit of a scalar of lines, which they keep where grids do: that of the grid of its name beside them.
+/// The unit of a scalar of lines: the unit of the grid of its name in the file.
 std::string unitOf(const VdbFile& file, const std::string& scalar, const std::string& lengthUnit)
 {
     const auto grid = file.find<openvdb::FloatGrid>(scalar);
@@ -247,7 +247,7 @@ LoadedTexture loadLines(const PicturePlan& plan, const VdbFile& file, const open
         .flowVoxels = file.find<openvdb::FloatGrid>(kSpeedGrid)};
 }
 
-/// Whether what is shown of a file are lines.
+/// Whether a file is shown by its lines.
 bool hasLines(const FrameFile& frame, const std::string& name)
 {
     const VdbHeader header = readVdbHeader(frame.path);

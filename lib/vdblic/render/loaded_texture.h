@@ -48,20 +48,19 @@ struct LoadedTexture {
     /// Count the voxels, or places along the lines. @throws InputError naming the file
     void addTo(TextureHistograms& histograms) const;
 
-    [[nodiscard]] double bytes() const; ///< estimate of the memory that it takes
+    [[nodiscard]] double bytes() const; ///< estimated memory
 };
 
-/// Estimate of the memory that a voxel of a frame takes.
+/// Estimated memory of a voxel of a frame [bytes].
 [[nodiscard]] double bytesPerVoxel(const PicturePlan& plan);
 
 /// Read a frame. Thread-safe.
-/// @param view that the frame is to be shown in, once it is chosen: opacity follows its grid, and leaves that its look
-///              hides are not prepared
-/// @param share the leaves that are read, of a frame that ranks share; null: all
+/// @param view  the frame's view, once it is chosen: gives the grid for opacity; leaves that its look hides are skipped
+/// @param share the leaves to read of a frame that ranks share; null: all
 /// @throws InputError naming the file
 [[nodiscard]] LoadedTexture loadFrame(const PicturePlan& plan, const FrameFile& frame, const View* view = nullptr,
                                       const LeafShare* share = nullptr);
-/// The same for what a file holds. @param frame number and name, for masks and messages
+/// The same for a file in memory. @param frame number and name, for masks and messages
 [[nodiscard]] LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame,
                                       const View* view = nullptr, const LeafShare* share = nullptr);
 

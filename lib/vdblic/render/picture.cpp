@@ -187,7 +187,7 @@ Image Picture::image() const
     Image image = exposed(mSum->mean(), mView.look.exposure);
     if (mShare) mShare->assemble(image);
     if (mPlan.annotations.any() && mExchange.isFirst()) {
-        const auto shown = [&](const std::string& name) { // the texture stands in for the speed
+        const auto shown = [&](const std::string& name) { // without the speed, the texture colours
             return !frame.hasColor && name == mPlan.colorBy ? frame.name : name;
         };
         FrameClock clock = frame.clock;

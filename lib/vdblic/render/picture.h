@@ -18,7 +18,7 @@
 
 namespace vdblic {
 
-/// The picture of a frame, which gets better with every sample. Everything that an image of a sequence shows.
+/// The picture of a frame, refined by every sample, with annotations.
 class Picture {
   public:
     /// @param plan, view, share must outlive this
@@ -37,7 +37,7 @@ class Picture {
     /// Collective.
     [[nodiscard]] Image image() const;
     [[nodiscard]] ImageHeader header() const;
-    /// Why an image of this is empty; nothing if it is not. Collective.
+    /// Why the image shows nothing; else an empty text. Collective.
     [[nodiscard]] std::string whyNothingIsSeen(const Image& image);
     [[nodiscard]] const Camera& camera() const { return mCamera; }
 

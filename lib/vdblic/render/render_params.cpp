@@ -25,7 +25,7 @@ constexpr int kMostPixels = 32768; // a side
 constexpr double kMostStretch = 1e6;
 
 /// Parameters whose values are kept as words until there is a look to set them on.
-/// @param defaults the look that the parameters belong to, whose values are told where none is given
+/// @param defaults the look that owns the parameters; it gives the values of unset ones
 Parameters kept(Given& options, const Parameters& parameters, const std::shared_ptr<LookPreset>& defaults)
 {
     Parameters result = parameters;

@@ -52,7 +52,7 @@ std::vector<std::string> choicesOf(PictureParams said, const PicturePlan& plan)
     });
 }
 
-/// Key frames of a camera file. @throws ParameterError if they set what the parameters set too
+/// Key frames of a camera file. @throws ParameterError if file and parameters set the same value
 CameraKeys keysOf(const std::string& file, const CameraParams& camera)
 {
     CameraKeys keys = readCameraKeys(file);

@@ -7,7 +7,7 @@
 
 namespace vdblic {
 
-/// What the headers of a sequence's files tell of its textures.
+/// The properties of a sequence's textures, from the headers of its files.
 struct SequenceTraits {
     bool isSparse = false;              ///< whether inactive voxels are empty
     bool isNumbered = false;            ///< whether the number of frames is known: the input is a pattern
@@ -15,14 +15,13 @@ struct SequenceTraits {
     std::vector<std::string> scalars{}; ///< float grids beside the texture, if they are known
 };
 
-/// The traits of files, by the first one. What cannot be read is reported at the frame's turn.
+/// The traits of the first file. An unreadable file is reported when its frame is rendered.
 [[nodiscard]] SequenceTraits traitsOf(const SequenceParams& sequence);
 
-/// How pictures are made, all files read that a user names for them: the look, transfer function and key frames in
-/// effect. Only what depends on the voxels is still open, and is chosen by chooseView(): ranges, the opacity curve,
-/// the exposure, and members of the camera that are not set.
+/// The settings of pictures with every named file read: look, transfer function and key frames. chooseView() chooses
+/// the values that depend on voxels: ranges, the opacity curve, the exposure, and unset members of the camera.
 struct PicturePlan : PictureSettings {
-    std::string lookName; ///< of the look that `look` and `background` began with
+    std::string lookName; ///< preset that `look` and `background` started from
     LookParams look;
     Background background;
     std::string colorBy; ///< grid whose values colour
@@ -39,10 +38,10 @@ struct RenderPlan {
     bool keepGoing = false;
     PicturePlan picture;
     RenderOutputs outputs;
-    std::vector<std::string> choices{}; ///< who chose what, for people
+    std::vector<std::string> choices{}; ///< each choice and its origin, for people
 };
 
-/// Read the files that parameters name, and choose by them and by what the sequence holds.
+/// Read the files that parameters name, and choose settings by them and by the sequence's traits.
 /// @throws ParameterError; InputError naming the file
 [[nodiscard]] PicturePlan resolve(const PictureParams& params, const SequenceTraits& sequence);
 [[nodiscard]] RenderPlan resolve(const RenderParams& params);

@@ -23,8 +23,8 @@ struct RenderPlan;
 /// @throws ParameterError, InputError naming the file, OutputError; images finished before remain
 void renderSequence(const RenderParams& params, std::istream& lines, Reporter& reporter);
 
-/// The same for resolved parameters. Several ranks share each frame: each reads what its part of the picture shows and
-/// casts that, and rank 0 writes the whole; for a pattern or a file, without film and histograms. Collective.
+/// The same for resolved parameters. Several ranks share each frame: each reads and casts its part of the picture, and
+/// rank 0 writes the whole. The input must be a pattern or a file, without film and histograms. Collective.
 void renderSequence(const RenderPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange);
 
 } // namespace vdblic

@@ -25,7 +25,7 @@ class RunReport {
     /// A frame is done, in order. @param exchange of the ranks that share it
     /// @throws the frame's error unless the run leaves such frames out
     void add(const RenderedFrame& frame, const Exchange& exchange);
-    /// A picture that is on disk is told of, whatever happened to the frames before it.
+    /// Every picture on disk is reported, even after errors in earlier frames.
     void tellPicture(const RenderedFrame& frame);
     /// All frames are done. @param view null if no frame has an active voxel
     /// @throws InputError if frames are missing; OutputError
@@ -41,7 +41,7 @@ class RunReport {
     Reporter& mReporter;
     std::optional<TextureHistograms> mHistograms;
     std::size_t mTotal, mDone = 0, mSkipped = 0, mLeftOut = 0, mRendered = 0, mEmptyImages = 0;
-    std::string mNothingSeen; // why the last image shows nothing
+    std::string mNothingSeen; // of the last image
     bool mDescribed = false, mSaidNoColor = false, mSaidCloud = false;
 };
 

@@ -27,7 +27,7 @@ struct SequenceBounds {
 /// Find the bounds of the textures of a sequence from the headers of its files. Files without a texture and unreadable
 /// files are ignored; rendering reports them.
 /// @param texture name of the grid; empty: by each file's metadata
-/// @return nothing if no frame has an active voxel
+/// @return nullopt if no frame has an active voxel
 [[nodiscard]] std::optional<SequenceBounds> sequenceBounds(const std::vector<FrameFile>& files,
                                                            const std::string& texture);
 

@@ -14,8 +14,8 @@
 
 namespace vdblic {
 
-/// A frame as a look shows it, without what depends on the camera: pictures from several eyes share it. Immutable; any
-/// number of threads may read.
+/// The camera-independent data of a frame under a look: pictures from several eyes share it. Immutable; any number of
+/// threads may read.
 class ShownVolume {
   public:
     /// @param look  of the pictures
@@ -30,7 +30,7 @@ class ShownVolume {
     [[nodiscard]] const VisibleSpace* visible() const { return mVisible ? &*mVisible : nullptr; }
     /// Of lines; null for voxels.
     [[nodiscard]] const TubeTree* tree() const { return mTree ? &*mTree : nullptr; }
-    /// Null if nothing casts a shadow or occludes.
+    /// Null without shadows and occlusion.
     [[nodiscard]] const ExtinctionGrid* extinctions() const { return mExtinctions ? &*mExtinctions : nullptr; }
     /// Null if the look has neither shadows nor occlusion.
     [[nodiscard]] const AmbientLight* ambient() const { return mAmbient ? &*mAmbient : nullptr; }

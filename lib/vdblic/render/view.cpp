@@ -103,7 +103,7 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
     return points;
 }
 
-/// Points around what a look shows of a frame.
+/// World-space points around the visible part of a frame.
 std::vector<glm::dvec3> visiblePoints(const LoadedTexture& frame, const Look& look, const ClipParams& clip,
                                       Exchange& exchange)
 {
@@ -159,7 +159,7 @@ View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const L
 
 namespace {
 
-/// A rank's part of a frame; nothing for a process alone.
+/// A rank's part of a frame; nullopt for a single process.
 std::optional<BoxShare> boxOf(const FrameFile& file, const std::string& grid, const Exchange& exchange)
 {
     if (exchange.isAlone()) return std::nullopt;

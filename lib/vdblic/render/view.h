@@ -26,13 +26,13 @@ struct RenderPlan;
 /// Samples of a few frames of a sequence, from which its look is chosen.
 struct LookBasis {
     VolumeSamples samples;
-    double volumeBytes = 0; ///< the most of a frame
-    double thickness = 0;   ///< of a path through a frame [voxels, or tubes met]; the most of a frame
+    double volumeBytes = 0; ///< largest of the frames
+    double thickness = 0;   ///< of a path through a frame [voxels, or tubes crossed]; largest of the frames
     bool ofLines = false;
     std::string opacityBy;          ///< name of the grid that opacity follows
     std::vector<std::string> kinds; ///< of the first frame
     std::filesystem::path first;    ///< of the files
-    std::int64_t lastFrame = 0;     ///< the largest number of a frame
+    std::int64_t lastFrame = 0;     ///< largest frame number
     double longest = 0;             ///< FrameClock::longest
 
     /// @param frame    not empty
@@ -46,21 +46,20 @@ struct LookBasis {
     void addTubes(const Tubes& tubes);
 };
 
-/// The points that fill the picture: of the visible cells and the solids of frames, or of the box if that is in the
-/// picture; nothing if the camera leaves nothing to choose. @param exchange of the ranks that share the frames:
-/// collective
+/// The points that the picture frames: corners of the box if it is drawn, else of visible cells and solids. Empty for a
+/// perspective with a set eye. @param exchange of the ranks that share the frames: collective
 [[nodiscard]] std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
                                                 std::span<const std::shared_ptr<const LoadedTexture>> frames,
                                                 const Corners& box, Exchange& exchange);
 
-/// What all pictures of a sequence have in common: look, cameras, box. Immutable.
+/// Look, cameras and box common to all pictures of a sequence. Immutable.
 struct View {
     Look look;
     std::string opacityBy; ///< name of the grid that opacity follows, in every frame
     CameraPath cameras;
     Corners box;                ///< around all known frames
-    double frameBytes;          ///< estimate of the memory that a frame takes
-    std::int64_t lastFrame = 0; ///< of those that the view is chosen from, as LookBasis has it
+    double frameBytes;          ///< estimated memory of a frame
+    std::int64_t lastFrame = 0; ///< as in LookBasis
     double longest = 0;
 };
 
@@ -77,7 +76,7 @@ struct ViewSource {
     Corners box;                       ///< around all frames, stretched
     std::vector<FrameFile> lookFrames; ///< a few of them, the first one with an active voxel
 };
-/// By the headers of all files on disk, whichever are selected; nothing if none has an active voxel.
+/// From the headers of all files on disk, selected or not; nullopt if none has an active voxel.
 [[nodiscard]] std::optional<ViewSource> viewSource(const SequenceParams& input, const PicturePlan& plan);
 
 /// A view, and the frame that was read to make it if the sequence has no other.
@@ -86,7 +85,7 @@ struct SequenceView {
     std::shared_ptr<const LoadedTexture> onlyFrame; ///< null if ranks share it
 };
 
-/// The view of viewSource(); nothing if none of its frames has an active voxel.
+/// The view of viewSource(); nullopt if none of its frames has an active voxel.
 /// @param exchange of ranks that each read a part of the frames; collective
 [[nodiscard]] std::optional<SequenceView> viewOfSequence(const RenderPlan& plan, Exchange& exchange);
 

@@ -1,4 +1,4 @@
-"""What a user asks for, as command lines of our tools, and their estimates."""
+"""Command lines of our tools from the user's settings, and their estimates."""
 
 import dataclasses
 import json
@@ -60,10 +60,10 @@ class Recipe:
 
 @dataclasses.dataclass
 class Estimate:
-    """What vdblic_info tells: memory [bytes] and processor time [s] of all frames, and its choice for streaks."""
+    """The estimate of vdblic_info: memory [bytes] and processor time [s] of all frames, and its choice for streaks."""
 
     frames: int
-    voxels: int  # of the texture; of streaks those of the velocity
+    voxels: int  # of the texture; for streaks of the velocity
     memory: float
     seconds: float
     spacing: float = 0

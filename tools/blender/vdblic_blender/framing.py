@@ -1,4 +1,4 @@
-"""What is added to a scene is seen: on a frame that it has, in the 3D views, not hidden in another object."""
+"""Make a new object visible: on a frame that it has, in the 3D views, not hidden in another object."""
 
 import bpy
 from mathutils import Matrix, Vector
@@ -18,7 +18,7 @@ def eye(view):
 
 
 def stage(context, thing, corners, first=None, last=None, domain=None):
-    """Show a new object. Returns what it is, for the user, and warnings.
+    """Show a new object. Returns a description for the user, and warnings.
 
     @param corners  in world space  @param first, last  its frames; nothing: all of them  @param domain  that it fills
     """

@@ -29,7 +29,7 @@ class UnshowableError(ValueError):
 
 
 def check(headers):
-    """What Blender would draw blank or in a wrong place. Returns warnings. Raises UnshowableError."""
+    """Check for files that Blender would draw blank or misplaced. Returns warnings. Raises UnshowableError."""
     warnings = []
     for header in headers:
         texture = header.texture
@@ -77,7 +77,7 @@ def check(headers):
 
 
 def drawn_beside(grid):
-    """From where OpenVDB has a grid's values to where Blender draws them.
+    """The offset from OpenVDB's places of a grid's values to Blender's.
 
     Half a voxel along each axis up to Blender 4.5; nothing from 5.0 on (measured with Cycles, test_blender_addon.py).
     """

@@ -21,7 +21,7 @@ _children = []
 
 
 class JobError(RuntimeError):
-    """A run that cannot be begun; the message tells the mend."""
+    """A run that cannot start; the message names the mend."""
 
 
 class Job:

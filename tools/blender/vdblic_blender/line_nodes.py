@@ -1,4 +1,4 @@
-"""The node group of lines: those that are shown, their thickness and their material."""
+"""The node group of lines: selection, thickness and material."""
 
 import bpy
 

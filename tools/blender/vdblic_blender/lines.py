@@ -111,7 +111,7 @@ def fill(mesh, layer, frame):
 
 @persistent
 def follow(scene, *_):
-    """Before a frame is drawn: its lines into the meshes. Lines that cannot be read are not drawn, and told."""
+    """Load a frame's lines into the meshes before it is drawn. Unreadable lines are reported and not drawn."""
     for mesh in bpy.data.meshes:
         if LAYER not in mesh:
             continue
@@ -173,7 +173,7 @@ def _values(thing, scalar):
 
 
 def _take_away(context, old):
-    """Remove an object of lines with all that it had; returns what another needs to take its place.
+    """Remove an object of lines with its data; returns the settings for its replacement.
 
     It goes before its layer is read again: Blender reads no layer anew that something still has open.
     """

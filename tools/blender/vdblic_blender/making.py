@@ -20,7 +20,7 @@ from .showing import prepare_render, show
 from .tools import ToolError, check_tools, find_tool
 from .vdb_header import read_header
 
-ERRORS = (ToolError, JobError, ValueError, OSError)  # those of files, sequences, masks and caches are ValueErrors
+ERRORS = (ToolError, JobError, ValueError, OSError)  # errors of files, sequences, masks and caches are ValueErrors
 MADE = "vdblic_made"  # property of an object: the run's textures that it shows
 INTERVAL = 0.5  # seconds between looks at a run
 _problems = []  # errors of the background, shown by the panel
@@ -39,7 +39,7 @@ def domain_settings(thing):
 
 
 class VDBLIC_Settings(bpy.types.PropertyGroup):
-    """What is made; kept in the .blend file."""
+    """The settings of a texture; kept in the .blend file."""
 
     source: EnumProperty(
         name="Velocity",
@@ -94,7 +94,7 @@ class VDBLIC_Settings(bpy.types.PropertyGroup):
 
 
 def recipe_of(context, settings):
-    """What the settings ask for, and warnings. Raises one of ERRORS."""
+    """The recipe of the settings, and warnings. Raises one of ERRORS."""
     scene, warnings, domain = context.scene, [], None
     about = []
     if settings.source == "DOMAIN":

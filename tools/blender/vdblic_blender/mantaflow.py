@@ -1,4 +1,4 @@
-"""The cache of a Mantaflow smoke domain: where its velocities are, and what our tools must be told of them."""
+"""The cache of a Mantaflow smoke domain: the files of its velocity, and our tools' options for them."""
 
 import dataclasses
 import pathlib

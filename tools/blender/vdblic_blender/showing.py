@@ -23,7 +23,7 @@ def path_of(volume):
     return bpy.path.abspath(volume.data.filepath)
 
 
-LEAST_SHARE = 0.01  # of the volume that is taken to be seen: less is not made denser still
+LEAST_SHARE = 0.01  # least visible share of the volume: below it the density is not raised further
 
 
 def show(context, volume, header, kind="AUTO", look="FLOW", colors=("", 0, 0), gate=("", 0, 0)):

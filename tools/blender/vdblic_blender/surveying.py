@@ -1,4 +1,4 @@
-"""What a volume holds, measured in Blender itself, whose Python cannot read voxels."""
+"""Statistics of a volume, measured by Blender's nodes, because its Python cannot read voxels."""
 
 import bmesh
 import bpy
@@ -20,7 +20,7 @@ def frames_of(volume, scene, count=5):
 
 
 def survey(context, volume):
-    """Look at a few frames; returns those with voxels, and the corners of their boxes in the volume's own space.
+    """Survey a few frames; returns the frames with voxels, and the corners of their boxes in the volume's own space.
 
     Raises EmptyVolume.
     """

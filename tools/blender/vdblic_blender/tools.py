@@ -28,7 +28,7 @@ def find_tool(name, folder=""):
 
 
 def version_of(path):
-    """The version that a tool tells. Raises ToolError."""
+    """The version of a tool. Raises ToolError."""
     try:
         done = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=SECONDS)
     except (OSError, subprocess.TimeoutExpired) as error:
@@ -52,7 +52,7 @@ def check_tools(folder=""):
 
 
 def last_error(text):
-    """The message of a failed tool: its last line that tells an error, else its last line."""
+    """The message of a failed tool: its last line with an error, else its last line."""
     lines = [line for line in re.split(r"[\r\n]+", text) if line.strip() and not line.endswith(" lists the options.")]
     errors = [line for line in lines if ": error: " in line] or lines
     return re.sub(r"^(vdblic_\w+): (error: )?", r"\1: ", errors[-1]) if errors else "no message"

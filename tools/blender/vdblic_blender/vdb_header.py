@@ -1,4 +1,4 @@
-"""What a .vdb file tells of itself before its voxels: metadata, and name, type, transform and box of each grid.
+"""The headers of a .vdb file, without its voxels: metadata, and name, type, transform and box of each grid.
 
 The layout is that of OpenVDB's files from version 222 on (io/File.cc, io/Archive.cc). Blender tells none of this, and
 a file is better looked at before Blender opens it: a damaged one ends Blender.
@@ -82,7 +82,7 @@ class Header:
 
     @property
     def dt(self):
-        """Seconds between the frames; None if the file tells none."""
+        """Seconds between the frames; None if the file has no such number."""
         told = self.metadata.get("dt")
         return told if type(told) in (int, float) and 0 < told < math.inf else None
 

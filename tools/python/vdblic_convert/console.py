@@ -1,4 +1,4 @@
-"""What a tool prints: paths of finished outputs on standard output, everything else on standard error."""
+"""The output of a tool: paths of finished outputs on standard output, everything else on standard error."""
 
 import os
 import re
@@ -10,11 +10,11 @@ from .errors import OutputError
 
 
 class ClosedPipe(Exception):
-    """The reader of standard output has gone."""
+    """The reader of standard output has closed it."""
 
 
 def printable(text):
-    """A text that may have come from a file, as one line: what controls a terminal or is no UTF-8 is escaped."""
+    """A text, possibly from a file, as one line: control characters and invalid UTF-8 are escaped."""
     no_text = lambda c: "\udc80" <= c <= "\udcff"  # PEP 383
     escaped = lambda c: f"\\x{ord(c) - 0xdc00:02x}" if no_text(c) else c.encode("unicode_escape").decode()
     return "".join(c if c.isprintable() else escaped(c) for c in text)

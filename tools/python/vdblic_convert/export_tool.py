@@ -79,7 +79,7 @@ def run(options, console, stop, version):
 
 
 def _write(path, source, names, console, told):
-    """Convert a file. `told` holds what was said of the files before."""
+    """Convert a file. `told` holds the messages about earlier files."""
     from .dense import read_dense  # NumPy and VTK take long to load
 
     if path.suffix.lower() == ".vtp":

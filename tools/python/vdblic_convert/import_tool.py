@@ -53,7 +53,7 @@ def run(options, console, stop):
     """Convert every selected step."""
     _check(options)
     warnings.simplefilter("ignore")  # warnings of packages are for programmers
-    from .series import Series  # what takes long to load is loaded once the options are right
+    from .series import Series  # slow imports wait until the options are valid
 
     outputs = Outputs(options, [".vdb"], console, stop)
     series = Series(options, stop)
@@ -198,7 +198,7 @@ class Conversion:
         return target
 
     def _check_cells(self, met):
-        """Warn once if the voxels that nobody chose pass over most of the cells."""
+        """Warn once if the default voxels miss most of the cells."""
         options = self._options
         are_chosen = options.like or options.size or options.voxel_size or options.bounds
         if met < 0.5 and not are_chosen and self._first("coarse"):

@@ -1,4 +1,4 @@
-"""Care while libraries are loaded: some end the process if they cannot start their threads."""
+"""Safe loading of libraries: some end the process if they cannot start their threads."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""The outputs of a run: checked before any work, written whole, told when they are finished."""
+"""The outputs of a run: checked before any work, written atomically, reported when they are finished."""
 
 import os
 import zipfile
@@ -36,7 +36,7 @@ class Outputs:
         check_not_inputs(map(self.pattern.path, frames), inputs)
 
     def write(self, frame, source, write):
-        """Let `write(path)` make an output, unless the output is there and is to be left."""
+        """Let `write(path)` make an output, unless --skip-existing finds it whole."""
         path = self.pattern.path(frame)
         self._stop.check()
         self._done += 1

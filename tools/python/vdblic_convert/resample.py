@@ -9,7 +9,7 @@ from . import vtk_data as vtk
 from .errors import InputError
 from .target import Target, filling, on_points
 
-MOST_VOXELS = 256**3  # of a grid that nobody chose
+MOST_VOXELS = 256**3  # of a default grid
 CELL = "cell of the voxel"
 FIRST_CURVED = 21  # of VTK's numbers of cell types
 
@@ -27,8 +27,8 @@ class Flow:
         return vtk.solid(self._dataset, self._names, self._path)
 
     def usual_target(self):
-        """The grid for a flow if the user chooses none: its own voxels, as many as a structured grid has points (or
-        cells, which have the values), or about a voxel for each cell of the finer half of all."""
+        """The default grid for a flow: its own voxels; as many as a structured grid has points (or cells, if they have the
+        values); or voxels about as large as a cell of the finer half."""
         if self._own:
             return self._own
         cells, box = self._cells, _box(self._cells)
@@ -40,14 +40,14 @@ class Flow:
         return on_points(box, points)
 
     def bounds(self):
-        """The box of the cells, or of voxels along the axes with all of them in it, as x0, y0, z0, x1, y1, z1."""
+        """The box around the cells, or around voxels along the axes, as x0, y0, z0, x1, y1, z1."""
         if self._own and self._own.along_axes():
             low = self._own.origin() - self._own.spacing / 2
             return (*low, *(low + self._own.spacing * self._own.size))
         return _box(self._cells)
 
     def covered(self, target):
-        """A grid, with more of its voxels where the flow reaches beyond it."""
+        """A grid extended by voxels to cover the flow."""
         if self._own:
             return target.covering(self._own.corners())
         return target.covering(numpy.array(list(itertools.product(*_ends(self._cells)))))

@@ -102,7 +102,7 @@ class Series:
                     yield step
 
     def take_first(self):
-        """The source of the first step, selected or not, once: it is not kept in memory."""
+        """The source of the first step, selected or not. Call it once: the source is not kept in memory."""
         first, self._first = self._first, None
         return first
 
@@ -192,7 +192,7 @@ def _files_of(text):
 
 
 def _folders_of(pattern):
-    """The numbered folders that a path such as `plt*` names, as those of AMReX: number → path, in order."""
+    """The numbered folders that a path such as AMReX's `plt*` names: number → path, in order."""
     before, star, after = pattern.name.partition("*")
     name, found = re.compile(f"{re.escape(before)}([0-9]+){re.escape(after)}"), {}
     for folder in pattern.parent.iterdir() if star and pattern.parent.is_dir() else ():

@@ -27,7 +27,7 @@ class Stop:
 
     @contextlib.contextmanager
     def ends_waits(self):
-        """Within this a signal raises Stopped at once: for calls that may wait for ever."""
+        """A context in which a signal raises Stopped at once: for calls that may block."""
         self._waits = True
         try:
             yield

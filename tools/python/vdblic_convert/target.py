@@ -10,8 +10,8 @@ from .errors import InputError, ParameterError
 
 MOST_INDEX = 131072
 FAR = 2.0**40  # further than any voxel
-ALIGNED = 1e-3  # of a voxel: how far from others those may be that stand for them
-BYTES = 80  # of a voxel and its coordinates while it is resampled and written
+ALIGNED = 1e-3  # largest offset of voxels that count as the same [voxels]
+BYTES = 80  # peak for a voxel and its coordinates while it is resampled and written
 
 
 @dataclasses.dataclass

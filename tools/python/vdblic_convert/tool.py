@@ -44,7 +44,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-[.\d]|-inf$|-nan$")  # values, not options
 
     def format_help(self):
-        """Help in the order of VDBLIC's other tools: first what the tool does."""
+        """Help in the order of VDBLIC's other tools: first the description."""
         _, rest = super().format_help().split(f"{self.description}\n\n")
         inputs = " ".join(action.metavar for action in self._get_positional_actions())
         return f"{self.description}\nUsage: {self.prog} [OPTIONS] {inputs}\n\n{rest}"
@@ -109,7 +109,7 @@ def _hold_standard_streams():
 
 
 def _drop_unprinted():
-    """Give up what cannot be printed: the interpreter would try again at its end, and change the status."""
+    """Discard output that cannot be printed: the interpreter would retry at its exit and change the status."""
     for stream, number in (sys.stdout, 1), (sys.stderr, 2):
         try:
             stream.flush()
@@ -118,7 +118,7 @@ def _drop_unprinted():
 
 
 class Tool:
-    """The command line of a tool. `add` takes what argparse's add_argument does."""
+    """The command line of a tool. `add` has the arguments of argparse's add_argument."""
 
     def __init__(self, name, version, description):
         self.name = name

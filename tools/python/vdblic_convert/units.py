@@ -5,7 +5,7 @@ import re
 
 from .errors import needed
 
-# What pint has otherwise: it reads mb as millibarn, and lacks what meteorologists write.
+# Differences from pint: it reads mb as millibarn, and lacks spellings of meteorologists.
 DEFINITIONS = ("millibar = 100 pascal = mbar = mb", "@alias meter = gpm = geopotential_meter = geopotential_metre",
                "@alias knot = kn", "@alias degree_Celsius = degree_C = degrees_C = deg_C = degrees_Celsius",
                "@alias degree = degrees_north = degrees_east = degree_north = degree_east = degree_E = degree_N = "

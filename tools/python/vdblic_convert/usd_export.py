@@ -34,7 +34,7 @@ def refuse_options(options):
 
 def export_layer(options, console, stop, version):
     from .usd_curves import curves
-    from .usd_layer import Frame, gaps_of, layer, settings_of  # NumPy takes long to load
+    from .usd_layer import Frame, gaps_of, layer, settings_of  # NumPy loads slowly
 
     names = names_of(options.grids) if options.grids else ()
     output = FramePattern(options.output)

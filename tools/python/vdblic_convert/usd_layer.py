@@ -25,7 +25,7 @@ _UNSAFE = "[\x00-\x1f\x7f-\x9f\u2028\u2029\udc80-\udcff]"
 
 @dataclasses.dataclass
 class Frame:
-    """The grids of a frame's file by name, as read_headers() tells of them."""
+    """The grids of a frame's file by name, as read_headers() returns them."""
 
     path: str
     grids: dict
@@ -44,7 +44,7 @@ class Frame:
 
 @dataclasses.dataclass
 class Settings:
-    """How the world is told: units a second and a metre, the axis that is up, the stretch of the world's axes."""
+    """The metrics of the layer: frames a second, metres a unit, the up axis, the stretch of the axes."""
 
     rate: float
     meters: float
@@ -100,7 +100,7 @@ def layer(path, frames, settings, camera, doc, proxy=None, streaks=None):
 
 
 def _volume(volume, path, frames, settings, attributes):
-    """A Volume, with one field for each grid that any frame has. @param attributes  that tell what it is for"""
+    """A Volume, with one field for each grid that any frame has. @param attributes  of its purpose"""
     taken = set()
     names = dict.fromkeys(name for number in sorted(frames) for name in frames[number].grids)
     fields = {name: identifier(name, taken) for name in names}
@@ -226,7 +226,7 @@ def _asset(path, layer_path):
 
 
 def identifier(name, taken):
-    """A name for a prim, unlike those `taken`, to which it is added."""
+    """A new name for a prim, which is added to the names `taken`."""
     plain = re.sub(r"^(?=\d)|^$", "_", re.sub(r"[^A-Za-z0-9_]", "_", name))
     names = itertools.chain([plain], (f"{plain}_{count}" for count in itertools.count(2)))
     result = next(one for one in names if one not in taken)

@@ -1,4 +1,4 @@
-"""Which arrays are the velocity."""
+"""The choice of the velocity's arrays."""
 
 import re
 
@@ -24,7 +24,7 @@ def chosen(arrays, asked, usual, path):
     """The arrays of the velocity: one with three components, or two or three scalars.
 
     `arrays` maps names to numbers of components, `asked` is the user's choice or empty, `usual` the file's own choice
-    or empty. Returns the names, and whether they are a guess that should be told. Raises InputError.
+    or empty. Returns the names, and whether they are a guess to report. Raises InputError.
     """
     if asked:
         _check(arrays, asked, path)

@@ -26,7 +26,7 @@ VTK_ERROR = r"(ERROR|Warning): In [^,]*, line \d+ (?:vtk\w+ \([^)]*\): )?(.*?)(?
 
 @contextlib.contextmanager
 def errors_of(path):
-    """Turn what VTK prints as an error into an InputError about a file."""
+    """Turn VTK's printed errors into an InputError about a file."""
     core.vtkLogger.SetStderrVerbosity(core.vtkLogger.VERBOSITY_OFF)
     window = core.vtkStringOutputWindow()
     before = core.vtkOutputWindow.GetInstance()
@@ -44,7 +44,7 @@ def errors_of(path):
 
 
 def output_of(algorithm, dataset):
-    """What a filter of VTK's makes of a data set."""
+    """The output of a VTK filter for a data set."""
     algorithm.SetInputData(dataset)
     algorithm.Update()
     return algorithm.GetOutput()
@@ -91,10 +91,7 @@ def having(dataset, names):
 
 
 def solid(dataset, names, path):
-    """One data set of the cells of three dimensions that have all the named arrays, or of those of a plane.
-
-    Raises InputError without any.
-    """
+    """One data set of the cells of three dimensions, else of a plane, with all named arrays. Raises InputError."""
     own = [_without(block, REFINED_CELL) for block in having(dataset, names)]
     found = [cells for block in own if (cells := _cells_of(block, 3))]
     found = found or [cells for block in own if flat_axis(block) is not None and (cells := _cells_of(block, 2))]
@@ -115,10 +112,9 @@ def flat_axis(block):
 
 
 def merged(blocks, names):
-    """One unstructured grid of blocks with one point where they have several at one place.
+    """One unstructured grid of blocks, with coincident points merged and duplicate cells of other blocks removed.
 
-    So means over the cells around a point do not end at the border of a block. Cells that belong to another block,
-    whose duplicates they are, count once.
+    So means over the cells around a point cross the borders of blocks.
     """
     blocks = [_without(block, DUPLICATE_CELL) for block in blocks]
     merge, grid = needed("vtkmodules.vtkFiltersGeneral").vtkMergeCells(), model.vtkUnstructuredGrid()
@@ -146,7 +142,7 @@ def merged(blocks, names):
 
 
 def _without(block, flag):
-    """A block without the cells that have a flag, such as those in whose place another block has finer ones."""
+    """A block without the cells that have a flag, such as cells that another block refines."""
     kept = cell_flags(block) & flag == 0
     if kept.all():
         return block
@@ -179,10 +175,10 @@ def add_array(data, name, values):
 
 
 def at_points(dataset, names):
-    """The data set with the named arrays at its points. Those of cells become means over the cells around a point.
+    """The data set with the named arrays at its points. Arrays of cells become means over the cells around a point.
 
-    Such a mean is no longer the cell's value in the middle of a cell, least of all at a rim. What it lacks there stays
-    with the cells, as an array RESIDUE and the name.
+    Means interpolated back to a cell's middle differ from its value, most of all at a rim. The difference stays with
+    the cells, as an array RESIDUE and the name.
     """
     of_cells = [name for name in names if dataset.GetPointData().GetArray(name) is None]
     if not of_cells:

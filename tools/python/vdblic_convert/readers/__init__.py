@@ -35,7 +35,7 @@ GRIDS = ".xyz", ".x", ".p3d"  # of Plot3D
 
 
 def open_sources(paths, options):
-    """The source of files that are one flow; one without a flow of its own tells the grid of the others."""
+    """The source of the files of one flow. A file without a flow gives the grid of the others."""
     found, grids = [pathlib.Path(path) for path in paths], []
     if len(found) > 1 and all(path.suffix.lower() in READERS["dataset"][:4] for path in found):
         from . import dataset
@@ -58,7 +58,7 @@ def open_sources(paths, options):
 def open_source(path, options, grids=()):
     """The reader of a file, of a case's folder or of one of Zarr. Raises InputError.
 
-    `options` are the tool's: `attribute`, `layout` and `dt` tell what a file does not. `grids` are files of its grid.
+    `options` are the tool's: `attribute`, `layout` and `dt` complete a file's metadata. `grids` are files of its grid.
     """
     refused = lambda why: InputError(f"{path}: {why}")
     path, folder = pathlib.Path(path), pathlib.Path(path).is_dir()
@@ -92,7 +92,7 @@ def open_source(path, options, grids=()):
         known = " ".join(ending for endings in READERS.values() for ending in endings)
         raise refused(f"files of this kind cannot be read; known are {known} and the folders of OpenFOAM cases")
     open_file = importlib.import_module(f".{reader}", __name__).open_source
-    if reader == "dataset":  # tells by itself what its libraries parse
+    if reader == "dataset":  # has its own Parsing for each library
         return open_file(path, options, grids)
     with Parsing(path, "the library that reads it", False):
         return open_file(path, options, grids) if grids else open_file(path, options)
@@ -147,7 +147,7 @@ class Source:
         """Free the memory of a step that was read; it is read again when it is needed."""
 
     def notes(self):
-        """What a user should be told about how the file is read."""
+        """Messages for the user about the reading of the file."""
         return []
 
 

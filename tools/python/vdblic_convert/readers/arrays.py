@@ -1,6 +1,6 @@
 """Arrays without names for their axes: NumPy's files, HDF5 and MATLAB's.
 
-Their order is told by --layout. NumPy's files with `origin`, `voxel_size`, `matrix`, `active` or axes are in the order
+--layout gives their order. NumPy's files with `origin`, `voxel_size`, `matrix`, `active` or axes are in the order
 of vdblic_export: [x, y, z] or [time, x, y, z], with the components of a vector last. Beside its fields a file may hold
 `time` (seconds or dates, one a step), `origin` (centre of voxel 0 0 0), `voxel_size` (one or three lengths), `matrix`
 (4 × 4, indices to world space, in place of both), or the axes `x`, `y` and `z`, and `active` (a mask). Values that are

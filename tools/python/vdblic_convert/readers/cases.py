@@ -75,7 +75,7 @@ class Case(VtkSource):
 
 
 class FluentCase(Case):
-    """A case and its data. VTK would read a file that ends too early for ever."""
+    """A case and its data. VTK's reader never ends on a truncated file."""
 
     def __init__(self, path, reader):
         for part in path, path.with_suffix(".dat"):
@@ -89,7 +89,7 @@ class FluentCase(Case):
 
 
 class TecplotFile(Case):
-    """A text of one time. VTK takes zeros for values that are missing, and several times for parts of one."""
+    """A text of one time. VTK reads missing values as zeros, and several times as parts of one."""
 
     def __init__(self, path, reader):
         text = re.sub(r"#.*", "", path.read_bytes().decode(errors="replace"))

@@ -11,7 +11,7 @@ from .gridded import Data
 from .whole_files import check_whole
 
 
-IRREGULAR = {  # GRIB's grids that have no rows and columns, and what makes regular ones of them
+IRREGULAR = {  # GRIB's grids without rows and columns, and the commands that regrid them
     "reduced_gg": ("a reduced Gaussian grid, whose rows differ in length", "setgridtype,regular"),
     "reduced_ll": ("a reduced grid, whose rows differ in length", "setgridtype,regular"),
     "sh": ("spherical harmonics", "sp2gp IN OUT, of vorticity and divergence cdo dv2uv"),
@@ -60,7 +60,7 @@ def _source(data, options):
 
 
 def is_grid(path):
-    """Whether a file tells a grid, as meshes and ROMS have it, and no flow on it."""
+    """Whether a file holds a grid, as of meshes and ROMS, and no flow."""
     from . import cf, mesh, ocean
     from .gridded import COMPONENTS
 

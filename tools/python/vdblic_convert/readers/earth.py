@@ -18,7 +18,7 @@ LAYERS = (
 def local_plane(longitude, latitude, middle=None, unordered=False):
     """Metres east and north of a middle, from degrees: y follows the meridians, x the parallel through the middle.
 
-    The middle is a longitude and a latitude, those of the data unless given. Returns x, y, by how much lengths along x
+    The middle is a longitude and a latitude, by default of the data. Returns x, y, by how much lengths along x
     are too long off the middle at most (a factor), and the middle.
     """
     longitude = numpy.array(longitude, float)

@@ -1,4 +1,4 @@
-"""Whether the text files of an EnSight case are whole. VTK takes zeros, or what it read before, for what they lack."""
+"""Whether the text files of an EnSight case are whole. VTK reads missing values as zeros, or repeats earlier ones."""
 
 import re
 
@@ -16,7 +16,7 @@ class Case:
 
     def __init__(self, path):
         entries = _entries(path)
-        self._folder, self._files = path.parent, []  # components, what they are for, file name, time set
+        self._folder, self._files = path.parent, []  # components, kind, file name, time set
         self._gold = any(key == "type" and "gold" in value for section, key, value in entries if section == "FORMAT")
         self._in_one_file = any(section == "FILE" for section, *_ in entries)
         self._sets = dict(_time_sets([entry[1:] for entry in entries if entry[0] == "TIME"]))
@@ -38,7 +38,7 @@ class Case:
         for components, place, name, time_set in self._files:
             path = self._folder / self._numbered(name, time_set, time)
             if not path.is_file():
-                continue  # VTK tells
+                continue  # VTK reports it
             text = path.read_bytes()
             if place == "geometry":
                 if b"binary" in text[:80].lower():
@@ -85,7 +85,7 @@ def _time_sets(entries):
 
 
 def _sections(path, text, gold, begin, described):
-    """The sections of a file: part, keyword, what follows the keyword in its line, and the text up to the next one."""
+    """The sections of a file: part, keyword, rest of the keyword's line, and the text up to the next section."""
     heads, place, part = [], begin, None
     while head := HEAD.search(text, place):
         place, keyword, rest = head.end(), head[1].removeprefix(b"g_").decode(), head[2]

@@ -1,4 +1,4 @@
-"""What files with named axes share, whatever their form: xarray's variables, in known units, at known times."""
+"""Common parts of all formats with named axes: xarray's variables, in known units, at known times."""
 
 import re
 
@@ -21,7 +21,7 @@ PACKED = "valid_min", "valid_max", "valid_range"
 
 
 class Data:
-    """The variables of a file by name, read when they are asked for, and what the user answered about them."""
+    """The variables of a file by name, read on demand, with the attributes that the user gave for them."""
 
     def __init__(self, path, variables, attributes, answers):
         self.path, self.variables, self.attributes = path, variables, attributes
@@ -63,10 +63,10 @@ class Data:
 
 class Gridded(Source):
     """A file of xarray's variables, which a convention places: `_fields` maps the names of its fields to their grids,
-    and `_read(step, names, velocity)` makes the data set of some on one grid."""
+    and `_read(step, names, velocity)` makes the data set of variables on one grid."""
 
     unit = "m"
-    usual = (), (), ()  # the names of components that have no standard name; of models they count more than those
+    usual = (), (), ()  # the names of components without a standard name; in models they precede standard names
     of_model = False
     used = ()  # the names of variables that are known as something else
     _fields = {}
@@ -158,7 +158,7 @@ class Gridded(Source):
             raw = numpy.rint(raw)  # xarray unpacks short numbers in single precision
             values = raw * scale + offset
         with numpy.errstate(invalid="ignore"):
-            wrong = numpy.abs(values) > 9e36  # what NetCDF fills with where no fill value is declared
+            wrong = numpy.abs(values) > 9e36  # NetCDF's default fill values
             for bound, beyond in (low, numpy.less), (high, numpy.greater):
                 if bound is not None:  # of the unpacked values if it is of their type, no whole number
                     packed = numpy.result_type(bound).kind in "iu" or raw is values
@@ -211,7 +211,7 @@ class Gridded(Source):
         return next(found, None)
 
     def helper(self, standard_names, units, dimensions):
-        """The variable of a standard name on some dimensions, or None. Raises InputError for one that may be it."""
+        """The variable of a standard name on the dimensions, or None. Raises InputError for an uncertain candidate."""
         if found := self.named(*standard_names, dimensions=dimensions):
             return found
         for name, variable in self.data.variables.items():

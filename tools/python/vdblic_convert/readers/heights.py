@@ -76,7 +76,7 @@ def by_formula(source, axis, step, needed=True, usual=None, columns=2, sigma=Non
 def vertical(source, field, dimensions, step, there):
     """Heights in metres, an axis or (z, y, x), and pressures in Pa where they are the axis.
 
-    `there` tells where values are that need a height.
+    `there` is the mask of values that need a height.
     """
     axis, data = dimensions[0], source.data
     unit, full = data.text(axis, "units"), data.variables[field].dims
@@ -112,7 +112,7 @@ def vertical(source, field, dimensions, step, there):
 
 
 def z_by_variable(source, dimensions, full, step, there):
-    """Heights by a geopotential or by heights on the field's own dimensions, or on those between them; else None."""
+    """Heights from a geopotential or a height, on the field's dimensions or on half levels; else None."""
     on_pressure = measures(source.data.text(dimensions[0], "units") or "1", "Pa")
     name = source.named(*HEIGHTS, "geopotential", dimensions=full)
     if name is None and on_pressure:

@@ -1,4 +1,4 @@
-"""Unstructured meshes in layers: FVCOM, MPAS and what UGRID describes, as prisms between the layers."""
+"""Unstructured meshes in layers, of FVCOM, MPAS and UGRID, as prisms between the layers."""
 
 import re
 
@@ -184,7 +184,7 @@ class MeshFile(Gridded):
         return x, y, keep
 
     def _heights(self, step, place, levels, x, y):
-        """Heights (levels, nodes): those of values at nodes, or those of the faces between the layers."""
+        """Heights (levels, nodes): of values at nodes, or of the faces between the layers."""
         data, nodes = self.data, self.data.sizes[self._node]
         if levels is None:
             sides = self._triangles[:, :2]

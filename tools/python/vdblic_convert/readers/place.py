@@ -16,7 +16,7 @@ STANDARD = {
     "Z": r"(air_|sea_water_)?pressure|height.*|altitude|depth|geopotential_height|(ocean|atmosphere)_.*coordinate.*|.*"
     "model_level_number",
 }
-NAMES = {  # how the names of axes begin that nothing else tells of
+NAMES = {  # prefixes of axis names, for axes without attributes
     "X": r"x|lon|rlon|easting|i\b|ni\b|nx|west_east",
     "Y": r"y|lat|rlat|northing|j\b|nj\b|ny|south_north",
     "Z": r"z|dep|lev|height|alt|pres|plev|isobaric|k\b|st_ocean|sw_ocean|bottom_top|s_rho|s_w|sig|level",
@@ -30,8 +30,8 @@ class Place:
     """x and y in metres, axes or (y, x); `columns` puts a field's columns in their order, `torn` are points (y, x)
     whose cells the edge of the plane tears.
 
-    `eastward` and `along` are the directions of the grid's axes, two angles each: of what is eastward and northward,
-    against the world's x, and of what is along the grid; None where they are unknown.
+    `eastward` and `along` are two angles each against the world's x: the directions of east and north, and the
+    directions of the grid's axes; None where they are unknown.
     """
 
     x: numpy.ndarray
@@ -43,7 +43,7 @@ class Place:
 
 
 def axis_of(data, name):
-    """X, Y or Z for a dimension; None if it cannot be told. Raises InputError for contradictions."""
+    """X, Y or Z for a dimension; None if it is unknown. Raises InputError for contradictions."""
     known = name in data.variables and data.variables[name].ndim == 1
     text = data.text if known else lambda *_: ""
     unit, standard = text(name, "units"), text(name, "standard_name")
@@ -94,7 +94,7 @@ def ordered(longitude):
 def angles(longitude, latitude):
     """Directions, against east, of a grid's rows and columns, at its points (y, x); degrees to radians.
 
-    They are those of chords through the sphere, which along meridians and parallels of any pole are the tangents.
+    They follow chords through the sphere; along meridians and parallels of any pole these are the tangents.
     """
     lon, lat = numpy.radians(longitude), numpy.radians(latitude)
     point = numpy.cos(lat) * numpy.cos(lon), numpy.cos(lat) * numpy.sin(lon), numpy.sin(lat)
@@ -178,7 +178,7 @@ def _on_earth(source, longitude, latitude, names):
 
 
 def _longitude_latitude(source, field, dimensions):
-    """Longitude and latitude (y, x) of a field: the variables that it names, else those on its dimensions."""
+    """Longitude and latitude (y, x) of a field: the variables that it names, else variables on its dimensions."""
     text, variables = source.data.text, source.data.variables
     declared = re.sub(r"\w+:", " ", text(field, "coordinates")).split() + [field]
     candidates = sorted(variables, key=lambda name: name not in declared)

@@ -31,7 +31,7 @@ class CGrid:
             self.axes |= dict.fromkeys(group, known[node])
 
     def _keep(self, data, told, dimension, node, padding, nodes):
-        """Take what an attribute tells of a dimension. Raises InputError for contradictions."""
+        """Record an attribute's value for a dimension. Raises InputError for contradictions."""
         mend = f"correct it: --attribute '{told}'"
         if padding and padding not in PADDING:
             raise InputError(f"{data.path}: '{padding}' is no padding, which is none, low, high or both; {mend}")
@@ -48,7 +48,7 @@ class CGrid:
             )
 
     def others(self, dimensions):
-        """The dimensions on the same nodes as some, the nearest ones first."""
+        """The dimensions on the same nodes as the given ones, the nearest first."""
         alike = [[d for d, (node, _) in self._place.items() if node == self._place[own][0]]
                  for own in dimensions if own in self._place]  # fmt: skip
         found = [()] if len(alike) == len(dimensions) else []
@@ -57,7 +57,7 @@ class CGrid:
         return sorted(found, key=lambda other: sum(a != b for a, b in zip(other, dimensions)))
 
     def moved(self, values, there, here, sizes):
-        """Values on some dimensions at the places of others: half way between, and as far beyond the outer ones."""
+        """Values moved to staggered dimensions: half way between, and extrapolated as far beyond the outer ones."""
         for axis, (a, b) in enumerate(zip(there, here)):
             at = numpy.arange(sizes[b]) + self._place[b][1] - self._place[a][1]
             low = numpy.clip(numpy.floor(at), 0, values.shape[axis] - 2).astype(int)

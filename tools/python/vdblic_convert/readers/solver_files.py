@@ -1,4 +1,4 @@
-"""AMReX's plot files and Plot3D, whose files are looked through where VTK takes numbers as they come."""
+"""AMReX's plot files and Plot3D, whose files are checked because VTK's readers trust their numbers."""
 
 import re
 

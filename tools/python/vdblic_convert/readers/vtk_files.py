@@ -40,7 +40,7 @@ def _reader_of(path):
 
 
 def read_file(path, notes):
-    """The data set of one file. `notes` gets what a user should be told. Raises InputError."""
+    """The data set of one file. `notes` receives messages for the user. Raises InputError."""
     reader, lacking = _reader_of(path), None
     reader.SetFileName(str(path))
     while True:

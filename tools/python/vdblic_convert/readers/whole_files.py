@@ -1,4 +1,4 @@
-"""Whether files are as long as their headers say. Libraries read zeros for what a truncated file lacks, or loop."""
+"""Whether files are as long as their headers say. On truncated files libraries read zeros, or loop."""
 
 import math
 import os
@@ -9,7 +9,7 @@ from ..errors import InputError
 HDF5 = b"\x89HDF\r\n\x1a\n"
 ADF = b"ADF Database Version "  # of CGNS, after four bytes; then its version, such as A02011 or B02012
 WIDTHS = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8, 7: 1, 8: 2, 9: 4, 10: 8, 11: 8}  # bytes of a value of NetCDF's types
-STREAMING = 0xFFFFFFFF, 0xFFFFFFFFFFFFFFFF  # numbers of records that nobody wrote down
+STREAMING = 0xFFFFFFFF, 0xFFFFFFFFFFFFFFFF  # numbers of records that are unknown
 
 
 def check_whole(path):
@@ -58,7 +58,7 @@ def _end_of_netcdf(file):
 
     def entries(read):
         """The entries of a list, each after its name."""
-        _number(file, ">I")  # what kind of list it is
+        _number(file, ">I")  # kind of the list
         return [(skip(count()), read())[1] for _ in range(count())]
 
     def attributes():
