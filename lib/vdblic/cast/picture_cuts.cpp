@@ -42,7 +42,7 @@ class TileCuts {
     std::vector<std::int64_t> mWeights; // of each tile, row by row
 };
 
-/// The length of a line's part in the unit cube, over its direction's length.
+/// The length of a line's part in the unit cube, over the length of its direction.
 double lengthInCube(const glm::dvec3& origin, const glm::dvec3& direction)
 {
     double enter = 0, leave = HUGE_VAL;

@@ -31,7 +31,7 @@ VDBLIC_INLINE Float8 middleOf(Int8 step, Float8 shift, Float8 span)
 
 } // namespace
 
-/// Eight rays in flight. A lane without a ray stays in invisible space.
+/// Eight rays in flight. A lane without a ray stays where nothing is visible.
 struct alignas(32) RayKernel::Lanes {
     Float8 entry[3], direction[3], inverse[3];
     Float8 view[3]; // direction in world space

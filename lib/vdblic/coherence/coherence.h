@@ -21,7 +21,7 @@ class VelocityField;
 /// All correlations are Pearson's, of trilinearly interpolated values.
 ///
 /// A texture may be finer than the velocity. Lags, lengths, the least motion and the right angle are in the
-/// velocity's index space, so that they compare across textures of different voxels. The smoothing filter is three
+/// velocity's index space, so that textures of different voxels can be compared. The smoothing filter is three
 /// texture voxels wide and the integrator's tolerance is in texture voxels, as in vdblic_advect.
 ///
 /// measureCleanness() gives the figures by displacement, with the same parameters.

@@ -33,9 +33,9 @@ struct SparseTexture {
 /// around it nor in the 27 around the end of its pathline. It appears by the same rule against time. Pathlines that
 /// leave the domain do not count.
 ///
-/// A head is a local maximum with a tail upstream and almost zero a quarter of a spacing downstream. The brightest of
-/// several within 0.3 spacings counts; heads that fade in or out do not. So heads are located to a voxel, and some are
-/// false: the first percentiles of their distances are lower bounds.
+/// A head is a local maximum with a tail upstream and at most a quarter of its value a quarter of a spacing downstream.
+/// The brightest of several within 0.3 spacings counts; heads that fade in or out do not. So heads are located to a
+/// voxel, and some are false: the low percentiles of their distances are lower bounds.
 ///
 /// @param next     the successor; null if there is none
 /// @param forward  velocity over the step, on the velocity's own voxels, in voxels of the velocity per step

@@ -28,7 +28,8 @@
 namespace vdblic {
 namespace {
 
-// Limit on the processor time of parsing: 5 s, and 1 s for each 5 MB. The slowest files (zip) are read at 50 MB/s.
+// Limit on the processor time of parsing, beyond which it counts as endless: 5 s, and 1 s for each 5 MB. The slowest
+// files (zip) are read at 50 MB/s.
 constexpr std::uint64_t kSeconds = 5, kBytesPerSecond = 5'000'000;
 
 std::array<char, 64> gProgram{};

@@ -17,7 +17,7 @@ class ParameterError : public Error {
     using Error::Error;
 };
 
-/// An input file is missing, unreadable or of the wrong content. Tools exit with 3.
+/// An input file is missing or unreadable, or has the wrong content. Tools exit with 3.
 class InputError : public Error {
   public:
     using Error::Error;

@@ -29,7 +29,7 @@ class FreeRuns {
 
   private:
     static constexpr std::uint32_t kNone = UINT32_MAX;
-    static constexpr std::size_t kLists = 32; // list n holds ranges of at least 2ⁿ places
+    static constexpr std::size_t kLists = 32; // list n holds ranges of 2ⁿ places and more, below 2ⁿ⁺¹
 
     struct Place {
         std::uint32_t count;         ///< length of the range that begins or ends here; else 0

@@ -35,7 +35,7 @@ void checkMemory(double needed, const std::string& what, const std::string& mend
 /// Check that `count` voxels fit into memory, at the fewest bytes per voxel of any computation.
 /// @param where  prefix of the message; may be empty  @param ranks that share the voxels
 /// @param stored voxels stored one by one in files: a scratch file may hold them (paging.h). The others, expanded from
-/// tiles, must fit into memory. @throws InputError
+///               tiles, must fit into memory. @throws InputError
 void checkVoxels(std::uint64_t count, const std::string& where = "", int ranks = 1, std::uint64_t stored = 0);
 
 } // namespace vdblic

@@ -96,8 +96,8 @@ std::uint32_t PagedHeap::takeFree(std::size_t count) noexcept
     }
     if (const std::optional<std::uint32_t> first = mEmpty.take(number)) return *first;
     if (mWarmRuns == 0) return kNone;
-    while (const std::optional<FreeRuns::Range> range =
-               mWarm.takeAny()) { // together with empty neighbours they may suffice
+    // Together with empty neighbours, warm runs may suffice.
+    while (const std::optional<FreeRuns::Range> range = mWarm.takeAny()) {
         mFile.discard(range->first * kRun, range->count * kRun);
         mEmpty.add(*range);
     }
@@ -130,7 +130,7 @@ void PagedHeap::giveBack(std::uint32_t first, std::size_t count) noexcept
     std::unique_lock lock(mMutex);
     const bool staysWarm = mWarmRuns + count <= kMostWarm;
     if (!staysWarm) {
-        lock.unlock(); // the runs are not shared yet
+        lock.unlock(); // no other thread can reach the runs
         mFile.discard(first * kRun, count * kRun);
         lock.lock();
     }

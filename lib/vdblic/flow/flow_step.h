@@ -16,7 +16,7 @@ struct FlowStep {
     double time = 0;                       ///< seconds, at the start
     const LeafOwners& owners = kSoleOwner; ///< of the leaves of the first frame's domain
     const FlowStep* whole = nullptr;       ///< the whole interval; null if the step is the whole
-    bool isShown = true;                   ///< whether its texture is written; others prepare later ones
+    bool isShown = true;                   ///< whether its texture is written; else the step only prepares later ones
     bool withHits = false;                 ///< whether to return TextureFrame::hits; for methods that scatter
 
     [[nodiscard]] double seconds() const { return interval / substeps; }

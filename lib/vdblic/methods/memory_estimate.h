@@ -7,6 +7,7 @@ namespace vdblic {
 
 struct TextureParams;
 
+/// \file
 /// Parts of all methods' memory estimates, fitted to measured runs.
 
 /// Bytes of the process, and per voxel of the velocity's leaves.

@@ -15,6 +15,7 @@ namespace vdblic {
 
 struct VdbFile;
 
+/// \file
 /// A state's floats as checkpoint grids, in parts, so that no second copy of the whole state is in memory. A round trip
 /// preserves every bit.
 

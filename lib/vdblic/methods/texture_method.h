@@ -31,8 +31,7 @@ struct TextureMethod {
     bool isSteady = false; ///< whether a texture depends on its frame alone
     bool isSparse = false; ///< whether textures have voxels of their own, not refined ones of the flow
     bool blends = false;   ///< whether a share of new noise is blended into each frame (BackwardParams::alpha)
-    const ScatterMethod* scatter =
-        nullptr; ///< how values are scattered along pathlines; null if voxels collect no hits
+    const ScatterMethod* scatter = nullptr; ///< how values are scattered along pathlines; null: voxels collect no hits
 
     int finish = 0; ///< default of FinishParams::taps
     /// Default number of frames during which the first one stands still.

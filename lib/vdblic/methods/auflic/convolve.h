@@ -27,7 +27,6 @@ struct MeanLeaf {
 ///
 /// A substep moves a pathline by about a voxel or less: too few voxels are hit, too rarely for a smooth mean. With a
 /// factor of (N − 1) / (N + 1) for each of N substeps the mean age of the hits is half a frame, as without substeps.
-/// hits is half a frame, as it is without substeps.
 struct RunningMean {
     LeafValues<float> mean;   ///< in [0, 1]
     LeafValues<float> weight; ///< of the hits in `mean`

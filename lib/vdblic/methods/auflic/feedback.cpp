@@ -48,7 +48,7 @@ float coverageAt(const Domain& domain, Float4 position)
     return coverage;
 }
 
-/// For each leaf: whether the cells of all positions in it and its neighbours lie inside the domain.
+/// For each leaf: whether all cells that begin in it lie inside the domain.
 std::vector<std::uint8_t> leavesWithoutRim(const Domain& domain)
 {
     std::vector<std::uint8_t> result(domain.leafCount());

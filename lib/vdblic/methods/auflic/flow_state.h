@@ -14,6 +14,7 @@
 
 namespace vdblic {
 
+/// \file
 /// The state between two steps as grids that other programs can open; a round trip preserves every bit.
 ///
 /// `noise`: the noise-jittered texture that gives seeds their values, float, multiples of 1/65536 in [0, 1). With

@@ -26,8 +26,8 @@ struct Particle {
 
 /// Particles moved by one thread, by their current tile.
 ///
-/// Chunks are reused as soon as they were read: arriving and leaving particles together take the memory of one set. Not
-/// thread-safe, but for take() on distinct tiles with distinct users.
+/// Chunks are reused as soon as they have been read: arriving and leaving particles together take the memory of one
+/// set. Not thread-safe, but for take() on distinct tiles with distinct users.
 class ParticleBins {
   public:
     /// @param words per particle beside its Hits

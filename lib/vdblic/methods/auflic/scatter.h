@@ -61,7 +61,7 @@ class Scatter {
     /// @param next        domain of the next step; particles outside it end
     /// @param slopeScale  duration of this step over that of the step before, in which slopes were measured
     /// @param owners      of the field's leaves: a rank scatters its own tiles, and receives the hits of its own voxels
-    /// and the particles of its own tiles
+    ///                    and the particles of its own tiles
     /// @param clock       of the stages: filling the field is `load`, `take` is `convolve`
     /// @throws InputError if a voxel collected 2²³ hits or more
     ScatterStats step(VelocityField& field, const LeafValues<std::int32_t>& input, const TakeHits& take,

@@ -8,7 +8,7 @@
 namespace vdblic {
 namespace {
 
-constexpr std::size_t kGroupLeaves = 8; // many enough for cheap scheduling, few enough for threads to finish together
+constexpr std::size_t kGroupLeaves = 8; // enough for cheap scheduling, few enough for threads to finish together
 
 } // namespace
 

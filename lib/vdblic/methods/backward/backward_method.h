@@ -4,6 +4,7 @@
 
 namespace vdblic {
 
+/// \file
 /// Common parts of TextureMethod for all methods that look back.
 
 /// Frames until a blended texture no longer shows its start.

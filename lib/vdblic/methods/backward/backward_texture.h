@@ -14,7 +14,8 @@ namespace vdblic {
 /// Base of the textures that pull values back along pathlines: IBFV, LEA, UFAC.
 ///
 /// A method carries particles, a texture or both from frame to frame. They are pulled back: each voxel of the next
-/// domain looks up its fluid's position a step ago. So a voxel always has a value, and the cost of a step is constant.
+/// domain looks up its fluid's position a step ago. So a voxel always has a value, and the cost of a step does
+/// not depend on earlier ones.
 /// A frame's texture is made from its carried values.
 class BackwardTexture : public FlowTexture, public TextureMemory, public LeafState {
   public:
@@ -48,7 +49,7 @@ class BackwardTexture : public FlowTexture, public TextureMemory, public LeafSta
     /// The texture of a step's first frame. @param carried there, halo included
     [[nodiscard]] virtual LeafValues<float> show(const FlowStep& step, const Carried& carried,
                                                  StageClock& clock) const = 0;
-    /// The carried values of a step's last frame, on its own leaves. @param before of its first one, halo included
+    /// The carried values of a step's second frame, on its own leaves. @param before those of its first, halo included
     [[nodiscard]] virtual Carried pullBack(const FlowStep& step, const Carried& before, StageClock& clock) const = 0;
 
     TextureParams mParams;

@@ -61,7 +61,7 @@ VDBLIC_INLINE Vector8 voxelsOf(const Vector8& v)
 /// The particles nearest to eight positions, or voxel centres where there is none.
 struct Nearest {
     Vector8 from;                        ///< the position to the particle
-    Float8 distance = broadcast8(1e30f); ///< its largest component's magnitude
+    Float8 distance = broadcast8(1e30f); ///< largest magnitude of a component of `from`
     Float8 value{};
 };
 
@@ -94,8 +94,8 @@ struct Move {
         }
     }
 
-    /// The particle nearest to each position, among the corners of its cell: only those can lie in the unit cube around
-    /// it.
+    /// The particle nearest to each position, among those of its cell's corner voxels: only these can lie in the unit
+    /// cube around it.
     VDBLIC_INLINE Nearest nearestTo(const LeafWindow& window, const Vector8& position, unsigned lanes) const
     {
         Nearest nearest{voxelsOf(position) - position};

@@ -107,7 +107,7 @@ class TailSampler {
         return {at[0], at[1], at[2]};
     }
 
-    /// The pieces that approximate a curve between nodes: a parabola deviates by h²/8 of its second derivative.
+    /// Number of straight pieces for a curve between two nodes: a parabola deviates by h²/8 of its second derivative.
     [[nodiscard]] int pieces(const StreakNode& a, const StreakNode& b, double from, double to) const
     {
         constexpr double kMost = 4096;

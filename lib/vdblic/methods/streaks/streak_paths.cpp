@@ -128,7 +128,7 @@ class BackwardPath {
     static constexpr double kShortest = 1e-5;             // frames
     static constexpr int kMostTries = 2000;
 
-    /// A point on the path before its entry, out of the streak's reach, so that its round head slides in too.
+    /// A point of the path a streak's reach before its entry, so that its round head slides in too.
     [[nodiscard]] StreakNode behindRim(const StreakNode& rim) const
     {
         constexpr double kLongest = 1; // frame

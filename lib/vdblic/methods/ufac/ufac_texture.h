@@ -8,8 +8,8 @@ namespace vdblic {
 /// streamlines of its moment. Weiskopf, Erlebacher & Ertl, "A texture-based framework for spacetime-coherent
 /// visualization of time-dependent vector fields", Visualization 2003.
 ///
-/// Pathlines carry the noise, lines follow streamlines. The two diverge where the flow is unsteady and would break a
-/// line. So the kernel is shorter where the velocity u changes fast in place: after a time τ streamline and pathline
+/// Pathlines carry the noise, lines follow streamlines. The two diverge where the flow is unsteady, which would break
+/// a line. So the kernel is shorter where the velocity u changes fast in place: after a time τ streamline and pathline
 /// are about ½ |∂u/∂t| τ² apart, and the kernel ends where that is a voxel. The dependence of its length on
 /// unsteadiness is the authors'; this rule is ours.
 ///
