@@ -76,7 +76,7 @@ class FrameReader:
 
 
 def _text_of(time):
-    """A time as a word without loss."""
+    """The exact time as a word."""
     if time is None:
         return "no time"
     if isinstance(time, (datetime.datetime, numpy.datetime64)):

@@ -20,8 +20,8 @@ Array = numpy.ndarray
 class Grid(NDArrayOperatorsMixin):
     """A scalar or vector field on voxels.
 
-    It is used as the array of its values: NumPy's functions, operators, indices and `shape` are the array's, and results
-    are plain arrays.
+    It is used as the array of its values: NumPy's functions, operators, indices and `shape` are the array's, and
+    results are plain arrays.
 
     >>> grid = Grid(numpy.zeros((4, 3, 2)), name="speed")
     >>> grid

@@ -18,7 +18,7 @@ template<>
 inline constexpr auto kNames<Projection> = std::to_array<std::string_view>({"perspective", "orthographic"});
 
 /// A side that a picture is seen from; the front is towards −y where +z is up, so that east is right where north is +y.
-/// kThreeQuarter is from the front, the right and above; the subject's shape decides (chooseDirection()).
+/// kThreeQuarter is from the front, the right and above, at angles that suit the subject's shape (chooseDirection()).
 enum class ViewSide { kThreeQuarter, kTop, kBottom, kFront, kBack, kLeft, kRight, kNorth, kEast, kSouth, kWest };
 template<>
 inline constexpr auto kNames<ViewSide> = std::to_array<std::string_view>({"three-quarter", "top", "bottom", "front",

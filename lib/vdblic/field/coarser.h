@@ -7,7 +7,7 @@ namespace vdblic {
 /// A grid with half the voxels along each axis: means of the active ones among eight.
 ///
 /// Voxel c covers the voxels 2c and 2c + 1 of the finer grid along each axis: its centre is 2c + ½ there. It is active
-/// if one of them is. Components on faces are means of the four finer faces in a coarser one. Name and metadata stay.
+/// if one of them is. Staggered components are means of the four finer faces in a coarser one. Name and metadata stay.
 /// Computed in parallel, leaf by leaf.
 ///
 /// @param grid        of floats, doubles or vectors of them

@@ -60,7 +60,7 @@ VDBLIC_INLINE void forCorners(const Domain& domain, Float4 position, const Visit
     const Float4 fraction = position - __builtin_convertvector(base, Float4);
     for (int corner = 0; corner < 8; ++corner) {
         const Int4 step = {corner >> 2, corner >> 1 & 1, corner & 1, 0};
-        const auto voxel = Int4(Unsigned4(base) + Unsigned4(step)); // overflows far outside
+        const auto voxel = Int4(Unsigned4(base) + Unsigned4(step)); // wraps around far outside
         const int leaf = domain.findLeaf(voxel);
         if (leaf < 0 || !domain.isActive(leaf, Domain::offset(voxel))) continue;
         float weight = 1;

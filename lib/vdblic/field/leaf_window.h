@@ -42,7 +42,7 @@ struct LeafWindow {
     {
         const Int8 i = LeafVoxel::leafCoordinate(x) - first[0], j = LeafVoxel::leafCoordinate(y) - first[1],
                    k = LeafVoxel::leafCoordinate(z) - first[2];
-        const auto a = Unsigned8(i), b = Unsigned8(j), c = Unsigned8(k); // far voxels may overflow
+        const auto a = Unsigned8(i), b = Unsigned8(j), c = Unsigned8(k); // far voxels may wrap around
         constexpr unsigned kLast = kDim - 1;
         const Int8 elsewhere = Int8((a > kLast) | (b > kLast) | (c > kLast));
         const auto inside = Int8((a << 3) + a + (b << 1) + b + c); // slot(i, j, k) without multiplications

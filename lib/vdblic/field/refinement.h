@@ -27,7 +27,7 @@ struct Refinement {
 
     std::array<int, 3> factors{1, 1, 1};
     Interpolation interpolation = Interpolation::kLinear; ///< of the velocity between its voxels
-    bool isGiven = false;                                 ///< whether by the user; if not, a method may choose others
+    bool isGiven = false; ///< whether the user gave the factors; if not, a method may choose others
 
     void validate() const; ///< @throws ParameterError if a factor is not 1 to kMost
 

@@ -51,7 +51,7 @@ void WindowBox::set(const LeafWindow& window, int axis, int firstLeaf, int lastL
     mLast[axis] = (window.first[axis] + lastLeaf + 1) * LeafVoxel::kDim - 1;
 }
 
-/// Set the smallest box around the window's voxels. @return whether the box has no other voxels
+/// Set this to the smallest box around the window's voxels. @return whether the box has no other voxels
 bool WindowBox::coverWindow(const Domain& domain, const LeafWindow& window)
 {
     constexpr int kVoxels = LeafWindow::kDim * LeafVoxel::kDim;
@@ -87,7 +87,7 @@ bool WindowBox::coverWindow(const Domain& domain, const LeafWindow& window)
     });
 }
 
-/// Set the middle leaf and full leaves around it; empty if the middle leaf is not full.
+/// Set this to the middle leaf and full leaves around it; empty if the middle leaf is not full.
 void WindowBox::growFromMiddle(const Domain& domain, const LeafWindow& window)
 {
     int first[3] = {1, 1, 1}, last[3] = {1, 1, 1}; // leaves of the window along each axis

@@ -113,13 +113,13 @@ struct Look {
 
 /// Choose the unset parameters for unknown data.
 ///
-/// A scalar's range is its 2nd to 99th percentile; the range of a scalar for opacity only begins at 0 if it has both
-/// signs. Textures are stretched from the 10th to the 98th percentile. Opacity rises with its scalar. It is scaled so
-/// that a path as long as `thickness` has the mean optical depth `opticalDepth`: the front is seen, and faintly the
-/// depths behind, whatever the volume's size. Where colour tells kinds apart, each has a colour of its own (kinds.h).
-/// The exposure compensates the darkening by rims, shadows and light: two thirds of the visible voxels become at least
-/// as bright as their colour in the colour bar. It is estimated from samples and look, up to three stops, and depends
-/// neither on the camera nor on the frame.
+/// A scalar's range is its 2nd to 99th percentile; the range of a scalar that only opacity follows begins at 0 if it
+/// has both signs. Textures are stretched from the 10th to the 98th percentile. Opacity rises with its scalar. It is
+/// scaled so that a path as long as `thickness` has the mean optical depth `opticalDepth`: the front is seen, and
+/// faintly the depths behind, whatever the volume's size. Where colour tells kinds apart, each has a colour of its own
+/// (kinds.h). The exposure compensates the darkening by rims, shadows and light: two thirds of the visible voxels
+/// become at least as bright as their colour in the colour bar. It is estimated from samples and look, up to three
+/// stops, and depends neither on the camera nor on the frame.
 /// @param samples   of one frame or of several
 /// @param thickness [voxels], of lines the tubes that are met
 /// @param ofLines   whether the texture is the opacity of lines, which is not stretched

@@ -115,7 +115,7 @@ class AdaptiveTexture {
   public:
     virtual ~AdaptiveTexture() = default;
 
-    /// Choose the voxels, before the first step and after TextureMemory::restore().
+    /// Choose the voxels, before the first step. Not for a restored texture: TextureMemory::restore() sets its voxels.
     /// @param velocity     voxels of the first frame's velocity
     /// @param displacement of the flow's faster half in a frame [voxels of the velocity]
     /// @return the choices, as a text. @throws ParameterError

@@ -55,7 +55,8 @@ struct LoadedTexture {
 [[nodiscard]] double bytesPerVoxel(const PicturePlan& plan);
 
 /// Read a frame. Thread-safe.
-/// @param view  the frame's view, once it is chosen: gives the grid for opacity; leaves that its look hides are skipped
+/// @param view  the frame's view, once it is chosen: gives the grid for opacity; leaves that its look hides are not
+/// prepared
 /// @param share the leaves to read of a frame that ranks share; null: all
 /// @throws InputError naming the file
 [[nodiscard]] LoadedTexture loadFrame(const PicturePlan& plan, const FrameFile& frame, const View* view = nullptr,

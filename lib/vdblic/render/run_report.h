@@ -41,7 +41,7 @@ class RunReport {
     Reporter& mReporter;
     std::optional<TextureHistograms> mHistograms;
     std::size_t mTotal, mDone = 0, mSkipped = 0, mLeftOut = 0, mRendered = 0, mEmptyImages = 0;
-    std::string mNothingSeen; // of the last image
+    std::string mNothingSeen; // why the last image shows nothing
     bool mDescribed = false, mSaidNoColor = false, mSaidCloud = false;
 };
 

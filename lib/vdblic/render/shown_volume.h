@@ -30,7 +30,7 @@ class ShownVolume {
     [[nodiscard]] const VisibleSpace* visible() const { return mVisible ? &*mVisible : nullptr; }
     /// Of lines; null for voxels.
     [[nodiscard]] const TubeTree* tree() const { return mTree ? &*mTree : nullptr; }
-    /// Null without shadows and occlusion.
+    /// Null if the look has neither shadows nor occlusion, and there is no ground.
     [[nodiscard]] const ExtinctionGrid* extinctions() const { return mExtinctions ? &*mExtinctions : nullptr; }
     /// Null if the look has neither shadows nor occlusion.
     [[nodiscard]] const AmbientLight* ambient() const { return mAmbient ? &*mAmbient : nullptr; }

@@ -46,8 +46,9 @@ struct LookBasis {
     void addTubes(const Tubes& tubes);
 };
 
-/// The points that the picture frames: corners of the box if it is drawn, else of visible cells and solids. Empty for a
-/// perspective with a set eye. @param exchange of the ranks that share the frames: collective
+/// The points that the picture frames: corners of the box if it or its axes are drawn, else of visible cells, with
+/// solids and ground. Empty for a perspective with a set eye. @param exchange of the ranks that share the frames:
+/// collective
 [[nodiscard]] std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
                                                 std::span<const std::shared_ptr<const LoadedTexture>> frames,
                                                 const Corners& box, Exchange& exchange);

@@ -33,7 +33,7 @@ namespace {
 /// The most ranks that write files at the same time. Carried grids are at rank 0 only, which then writes all files.
 constexpr int kMostWriters = 8;
 
-/// A run over the frames of a sequence, file to file.
+/// A run over the frames of a sequence, from files to files.
 class Advection : private RunObserver {
   public:
     Advection(const AdvectPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange)

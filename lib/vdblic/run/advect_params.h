@@ -20,7 +20,7 @@ struct AdvectParams : MethodParams {
     std::uint32_t seed = 1;      ///< of the generated noise
     /// Frames during which the first one stands still before it is written; nothing: TextureMethod::preroll.
     std::optional<int> preroll;
-    /// Most frames on disk before the first of `flow.input.frames` to compute and not write; nothing:
+    /// The most frames on disk before the first of `flow.input.frames` that are computed but not written; nothing:
     /// TextureMethod::leadIn.
     std::optional<int> leadIn{};
     /// Target displacement of the first frame's faster half (Displacements) [voxels], which sets

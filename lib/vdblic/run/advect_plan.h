@@ -9,8 +9,8 @@
 
 namespace vdblic {
 
-/// A run's parameters, and all choices that need no velocity: frames and steps. The first frame makes the others
-/// (TextureRun).
+/// A run's parameters, and all choices that need no velocity: frames and steps. The other choices depend on the first
+/// frame (TextureRun).
 struct AdvectPlan {
     const AdvectParams params;  ///< as given
     const SequenceParams input; ///< `params.flow.input` with the lead-in's frames before the selected ones

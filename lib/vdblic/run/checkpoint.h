@@ -28,7 +28,7 @@ struct CheckpointPart {
 /// The state of a run between two steps, sufficient to continue it (docs/advect.md).
 struct Checkpoint {
     RunPosition position;
-    std::vector<std::string> inputs; ///< VelocitySequence::stampOf() of all frames used so far, in order
+    std::vector<std::string> inputs; ///< VelocitySequence::stampOf() of all frames that the steps used, in order
     std::vector<VdbFile> states;     ///< the whole state in one file, or none if there are parts
     std::vector<CheckpointPart> parts{};
 };

@@ -102,7 +102,7 @@ struct SequenceInfo {
     std::vector<std::string> advice;
 };
 
-/// Inspect a sequence. Unreadable files are counted, and no errors.
+/// Inspect a sequence. Unreadable files are counted; they are no errors.
 /// @throws ParameterError; InputError if there is no file; Stopped
 [[nodiscard]] SequenceInfo inspectSequence(const SequenceInfoParams& params, const Reporter& reporter);
 

@@ -30,8 +30,8 @@ struct TextureFormat {
 };
 [[nodiscard]] Parameters parametersOf(TextureFormat& params);
 
-/// Mark a grid to be written in half precision if that preserves it: the largest magnitude must be 0 or lie in 1/16 to
-/// 65504. Below 1/16, values of a thousandth of the largest would lose bits.
+/// Mark a grid to be written in half precision if half precision has the range: the largest magnitude must be 0 or lie
+/// in 1/16 to 65504. Below 1/16, values of a thousandth of the largest would lose bits.
 void saveAsHalf(openvdb::FloatGrid& grid);
 
 } // namespace vdblic

@@ -19,7 +19,7 @@ inline constexpr const char* kVelocityGrid = "vel";
 /// @param domain     the voxels of the grid; all must be here
 /// @param velocities on voxel centres, in any unit
 /// @param like       nothing, or the grid that gives voxels and transform for the interpolation
-/// @param precision  in a file; half only where it preserves the values (saveAsHalf())
+/// @param precision  in a file; half only where it has the range of the values (saveAsHalf())
 /// Computed in parallel; the result does not depend on the number of threads.
 [[nodiscard]] openvdb::Vec3SGrid::Ptr velocityGrid(const Domain& domain, const openvdb::Vec3SGrid& velocities,
                                                    const FromStored<Space::kWorld, Per::kSecond>& unit,

@@ -27,8 +27,8 @@ class Flow:
         return vtk.solid(self._dataset, self._names, self._path)
 
     def usual_target(self):
-        """The default grid for a flow: its own voxels; as many as a structured grid has points (or cells, if they have the
-        values); or voxels about as large as a cell of the finer half."""
+        """The default grid for a flow: its own voxels; as many as a structured grid has points (or cells, if they have
+        the values); or voxels about as large as a cell of the finer half."""
         if self._own:
             return self._own
         cells, box = self._cells, _box(self._cells)

@@ -100,7 +100,7 @@ def layer(path, frames, settings, camera, doc, proxy=None, streaks=None):
 
 
 def _volume(volume, path, frames, settings, attributes):
-    """A Volume, with one field for each grid that any frame has. @param attributes  of its purpose"""
+    """A Volume, with one field for each grid that any frame has. @param attributes  that state its purpose"""
     taken = set()
     names = dict.fromkeys(name for number in sorted(frames) for name in frames[number].grids)
     fields = {name: identifier(name, taken) for name in names}

@@ -91,7 +91,10 @@ def having(dataset, names):
 
 
 def solid(dataset, names, path):
-    """One data set of the cells of three dimensions, else of a plane, with all named arrays. Raises InputError."""
+    """One data set of the cells of three dimensions, else of a plane, with all named arrays.
+
+    Raises InputError if there are none.
+    """
     own = [_without(block, REFINED_CELL) for block in having(dataset, names)]
     found = [cells for block in own if (cells := _cells_of(block, 3))]
     found = found or [cells for block in own if flat_axis(block) is not None and (cells := _cells_of(block, 2))]

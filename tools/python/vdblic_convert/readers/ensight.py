@@ -16,7 +16,7 @@ class Case:
 
     def __init__(self, path):
         entries = _entries(path)
-        self._folder, self._files = path.parent, []  # components, kind, file name, time set
+        self._folder, self._files = path.parent, []  # components, place (geometry, node, element), file name, time set
         self._gold = any(key == "type" and "gold" in value for section, key, value in entries if section == "FORMAT")
         self._in_one_file = any(section == "FILE" for section, *_ in entries)
         self._sets = dict(_time_sets([entry[1:] for entry in entries if entry[0] == "TIME"]))
