@@ -27,7 +27,7 @@ class LeafOwners {
     virtual void addHits(const std::function<std::int64_t*(std::size_t leaf)>& hitsOf) const = 0;
 
     /// Receive the values in the halo from their owners.
-    /// @param leaves depth of the halo to receive, from the own leaves on
+    /// @param leaves depth of the halo to receive [leaves]
     virtual void takeHalo(LeafValues<float>& values, int leaves = kWholeHalo) const = 0;
     virtual void takeHalo(LeafValues<std::int32_t>& values, int leaves = kWholeHalo) const = 0;
     static constexpr int kWholeHalo = -1;

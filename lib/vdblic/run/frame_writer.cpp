@@ -40,7 +40,7 @@ void FrameWriter::finishWriting()
     const auto tryToReport = [this](const Paths& paths) {
         try {
             report(paths);
-        } catch (...) { // no reader of the reports
+        } catch (...) { // the reports have no reader any more
         }
     };
     const auto waiting = double(mWaiting.size());

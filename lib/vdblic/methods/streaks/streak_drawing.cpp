@@ -23,7 +23,7 @@ namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-/// A piece, and a texture leaf in its reach: the leaf's number over its velocity leaf.
+/// A piece, and a texture leaf in its reach: the leaf's number among the leaves over one velocity leaf.
 struct PieceInLeaf {
     std::uint32_t inside, piece;
 };
