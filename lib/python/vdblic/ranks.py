@@ -37,7 +37,7 @@ class Ranks:
         return numpy.max(self._comm.allgather(numbers), axis=0)  # type: ignore[no-any-return]
 
     def agree(self, error: ValueError | None, placed: str) -> None:
-        """Raise one rank's error at all ranks; or an error if their parts differ in grids, transform or time."""
+        """Raise one rank's error at all ranks; or an error if their parts differ in name, transform or time."""
         told = self._comm.allgather((None if error is None else str(error), placed))
         if error is not None:
             raise error

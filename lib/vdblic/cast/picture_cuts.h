@@ -27,8 +27,8 @@ class PictureCuts {
     [[nodiscard]] const PictureArea& area(int rank) const { return mAreas[std::size_t(rank)]; }
     /// The cuts around a rank's part. The parts fill space, also outside of the picture.
     [[nodiscard]] const std::vector<PictureCut>& cuts(int rank) const { return mCuts[std::size_t(rank)]; }
-    /// Largest distance of the lens's rays from its central ray [unit of the cuts' heights]: lens() · |depth − 1| at
-    /// most, with the depth relative to the focal plane's, depth() · (x, y, z, 1).
+    /// Bound on the distance of the lens's rays from its central ray [unit of the cuts' heights]: lens() · |depth − 1|,
+    /// with the depth relative to the focal plane's, depth() · (x, y, z, 1).
     [[nodiscard]] double lens() const { return mLens; }
     [[nodiscard]] const glm::dvec4& depth() const { return mDepth; }
 

@@ -138,7 +138,7 @@ void writeToStandardOutput(std::string_view text)
     }
 }
 
-/// Remove dead processes' temporary files, from a number up to the first one that stays.
+/// Remove dead processes' temporary files, from a number up to the first one without a file.
 void removeLeftovers(const std::filesystem::path& final, int number)
 {
     while (removeIfDead(temporaryName(final, number)))

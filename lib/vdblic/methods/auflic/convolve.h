@@ -25,8 +25,9 @@ struct MeanLeaf {
 
 /// The texture with substeps: the mean over the last steps, with weights that decrease with the age of the hits.
 ///
-/// A substep moves a pathline by about a voxel or less: too few voxels are hit, too rarely for a smooth mean. With a
-/// factor of (N − 1) / (N + 1) for each of N substeps the mean age of the hits is half a frame, as without substeps.
+/// A substep moves a pathline by about a voxel or less: too few voxels are hit, too rarely for a smooth mean. With
+/// weights that fall by a factor of (N − 1) / (N + 1) in each of N substeps the mean age of the hits is half a frame,
+/// as without substeps.
 struct RunningMean {
     LeafValues<float> mean;   ///< in [0, 1]
     LeafValues<float> weight; ///< of the hits in `mean`
