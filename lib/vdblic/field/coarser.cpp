@@ -29,7 +29,7 @@ bool meanOver(const Leaf& fine, const openvdb::Coord& first, int component, cons
     const auto* const numbers = reinterpret_cast<const Number*>(fine.buffer().data());
     Number sum = 0;
     int active = 0;
-    for (int z = 0; z < count[2]; ++z) { // same rounding along all axes
+    for (int z = 0; z < count[2]; ++z) { // in an order that rounds alike along all axes
         Number sumOfRow = 0;
         for (int y = 0; y < count[1]; ++y) {
             Number sumOfPair = 0;

@@ -27,7 +27,8 @@ class LocalContrast {
     struct Row {
         Float8 mean, deviation;
     };
-    /// Returns the rows of one leaf. The leaf and its neighbours in the domain must be added before.
+    /// Returns the rows of one leaf. The leaf and those of its 26 neighbours that are in the domain must be added
+    /// before.
     class Leaf {
       public:
         Leaf(const LocalContrast& contrast, const openvdb::Coord& origin);

@@ -136,7 +136,7 @@ VDBLIC_INLINE void TileScatter<Carried>::trace()
     storeLanes(WindowVoxel::encode(mNextWindow.slots(x, y, z), x, y, z), mEnds);
 }
 
-/// Load the tile's particles of earlier steps and sort their turns.
+/// Load the tile's particles of earlier steps, and sort their turns if the tile releases seeds.
 template<typename Carried>
 void TileScatter<Carried>::takeArriving()
 {

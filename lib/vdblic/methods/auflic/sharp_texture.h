@@ -25,7 +25,7 @@ class SharpTexture {
     void open(std::size_t slab);
     void close(std::size_t slab) { mBricks.release(mSlabs[slab]); }
 
-    /// Contrast of the sharpened texture; valid around a leaf once its neighbours are open.
+    /// Contrast of the sharpened texture; valid around a leaf once its 26 neighbours are open.
     [[nodiscard]] const LocalContrast& contrast() const { return mContrast; }
 
     /// Means over the corners in the domain, and the corners' share of the weights (coverage). Without coverage a mean
