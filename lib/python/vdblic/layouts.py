@@ -37,7 +37,10 @@ def field(values: numpy.ndarray, layout: str | None) -> numpy.ndarray:
 
 
 def times(values: Any, layout: str | None) -> tuple[Iterator[Any], int]:
-    """An iterator over the fields of an array with a time axis, and their number. Raises ValueError if the axis is unknown."""
+    """An iterator over the fields of an array with a time axis, and their number.
+
+    Raises ValueError if the axis is unknown.
+    """
     if layout is None:
         raise ValueError(
             f"nothing tells the order of the axes of an array of the shape {values.shape}; "

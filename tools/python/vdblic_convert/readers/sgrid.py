@@ -57,7 +57,7 @@ class CGrid:
         return sorted(found, key=lambda other: sum(a != b for a, b in zip(other, dimensions)))
 
     def moved(self, values, there, here, sizes):
-        """Values of the dimensions `there` at the places of `here`: half way between, or as far beyond the outer ones."""
+        """Values of the dimensions `there` at the places of `here`: half way between, or beyond the outer ones."""
         for axis, (a, b) in enumerate(zip(there, here)):
             at = numpy.arange(sizes[b]) + self._place[b][1] - self._place[a][1]
             low = numpy.clip(numpy.floor(at), 0, values.shape[axis] - 2).astype(int)
