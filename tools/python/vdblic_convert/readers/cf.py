@@ -89,7 +89,10 @@ class CfFile(Gridded):
             name: self._turned(name, numpy.where(place.torn, numpy.nan, values[:, :, place.columns]), place, velocity)
             for name, values in fields.items()
         }
-        return grid_of(place.x, place.y, z if z.ndim < 3 else z[:, :, place.columns], fields)
+        z = z if z.ndim < 3 else z[:, :, place.columns]
+        if place.in_degrees:
+            return grid_of(*self.globe.closed(place, z, fields, velocity))
+        return grid_of(place.x, place.y, z, fields)
 
     def _turned(self, name, values, place, velocity):
         """A horizontal component as its share of a velocity along the world's axes, where its own are others."""
