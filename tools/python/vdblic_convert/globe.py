@@ -15,11 +15,12 @@ from .target import Target
 
 UNIT = 1e6  # m
 R = RADIUS / UNIT
-SPEED, HEIGHT, RIM, SOLID = "speed", "height", "rim", "solid"
+SPEED, HEIGHT, RIM, SOLID = GRIDS = "speed", "height", "rim", "solid"
 MARGIN = 2  # voxels beyond the data: those of an interpolation across the rim
 LAYER = 3  # voxels of a single layer
 BODY = 3  # voxels of the Earth below the shell: what is deeper, nobody sees
 ROUNDED = 9  # decimals of a degree
+POLE = 90 - 1e-9  # as VTK finds no cell at the upper end of an axis
 
 
 @dataclasses.dataclass
@@ -133,6 +134,13 @@ class Globe:
             z, arrays = self._continued(z, arrays)
         return longitude, latitude, z * self._degrees, arrays
 
+    @staticmethod
+    def lacks_degrees(path):
+        return InputError(
+            f"{path}: --globe needs a grid on longitude and latitude, which this file does not tell; leave --globe out, "
+            "or say which axes those are: --attribute 'x:units=degrees_east' 'y:units=degrees_north'"
+        )
+
     def _continued(self, z, fields):
         """One level more below and above, in which the flow goes on."""
         lowest, highest = (0, -1) if z[0].mean() < z[-1].mean() else (-1, 0)
@@ -149,10 +157,7 @@ class Globe:
         source.parts(0, names, names)
         extent = self._extent
         if extent is None:
-            raise InputError(
-                f"{source.path}: --globe needs a grid on longitude and latitude, which this file does not tell; leave "
-                "--globe out, or say which axes those are: --attribute 'x:units=degrees_east' 'y:units=degrees_north'"
-            )
+            raise self.lacks_degrees(source.path)
         voxel = self.voxel = self.voxel or R * numpy.radians(extent.spacing)
         depth = (extent.high - extent.low) / UNIT
         if not self.exaggeration:
@@ -183,8 +188,6 @@ class Globe:
 
     def grids(self, source, step, names, carry, where):
         """The arrays of a step by grid name, each with its mask (x, y, z) and metadata; the box; and what to tell."""
-        for name in {SPEED, HEIGHT, RIM, SOLID}.intersection(carry):
-            raise ParameterError(f"--carry {name}: --globe writes a grid of that name; rename the array")
         radius, longitude, latitude = self._places()
         is_body = radius < self._bottom
         flows, extent = numpy.flatnonzero(~is_body), self._extent
@@ -267,7 +270,8 @@ class Globe:
         )
         west = self._extent.west
         longitude = west + (numpy.degrees(numpy.arctan2(y, x)) - west) % 360
-        return numpy.sqrt(x * x + y * y + z * z), longitude, numpy.degrees(numpy.arctan2(z, numpy.hypot(x, y)))
+        latitude = numpy.degrees(numpy.arctan2(z, numpy.hypot(x, y)))
+        return numpy.sqrt(x * x + y * y + z * z), longitude, latitude.clip(-POLE, POLE)
 
     def _spread(self, values, which):
         return Spread(values, self._index[which], self._box.size)

@@ -62,8 +62,10 @@ def run(options, console, stop):
     from .series import Series  # slow imports wait until the options are valid
 
     if options.globe:
-        from .globe import Globe
+        from .globe import GRIDS, Globe
 
+        for name in sorted(set(GRIDS).intersection(options.carry)):
+            raise ParameterError(f"--carry {name}: --globe writes a grid of that name; rename the array")
         options.globe = Globe(options.exaggerate, options.voxel_size and options.voxel_size[0])
     outputs = Outputs(options, [".vdb"], console, stop)
     series = Series(options, stop)

@@ -67,6 +67,8 @@ class CfFile(Gridded):
     def _read(self, step, names, velocity):
         dimensions = self._fields[names[0]]
         place = horizontal(self, names[0], dimensions)
+        if self.globe and not place.in_degrees:
+            raise self.globe.lacks_degrees(self.path)
         fields = {name: self.field(name, step, dimensions) for name in names}
         there = numpy.any([numpy.isfinite(values) for values in fields.values()], axis=0)
         if dimensions[0] is None:
