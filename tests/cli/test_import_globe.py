@@ -6,38 +6,8 @@ import numpy
 import pyopenvdb as vdb
 
 import earth_flows
+from earth_flows import HEIGHTS, OMEGA, RADIUS, unit_vectors, wind
 from imports import ImportHere, velocity_of
-
-RADIUS = 6_371_229.0
-TILTED = numpy.array([numpy.cos(numpy.radians(70)), 0, numpy.sin(numpy.radians(70))])  # an axis through 70 N, 0 E
-OMEGA = 1e-5 * TILTED  # 1/s
-HEIGHTS = numpy.array([0.0, 3000, 6000, 9000])
-
-
-def unit_vectors(longitude, latitude):
-    """Outward, eastward and northward vectors."""
-    lon, lat = numpy.radians(longitude), numpy.radians(latitude)
-    zero = 0 * (lon + lat)
-    return (numpy.stack([numpy.cos(lat) * numpy.cos(lon), numpy.cos(lat) * numpy.sin(lon), numpy.sin(lat) + zero], -1),
-            numpy.stack([zero - numpy.sin(lon), zero + numpy.cos(lon), zero], -1),
-            numpy.stack([-numpy.sin(lat) * numpy.cos(lon), -numpy.sin(lat) * numpy.sin(lon), numpy.cos(lat) + zero], -1))
-
-
-def wind(longitude, latitude, heights=HEIGHTS, up=0.0, name="height"):
-    """A file of the solid-body rotation OMEGA."""
-    lon, lat, z = longitude[None, None, :], latitude[None, :, None], heights[:, None, None]
-    out, east, north = unit_vectors(lon, lat)
-    flow = numpy.cross(OMEGA, out) * (RADIUS + z)[..., None]
-    here = (name, "lat", "lon")
-    file = {
-        "lon": [("lon",), longitude, {"units": "degrees_east"}], "lat": [("lat",), latitude, {"units": "degrees_north"}],
-        name: [(name,), heights, {"units": "m", "standard_name": name, "positive": "down" if name == "depth" else "up"}],
-        "u": [here, (flow * east).sum(-1), {"units": "m s-1", "standard_name": "eastward_wind"}],
-        "v": [here, (flow * north).sum(-1), {"units": "m s-1", "standard_name": "northward_wind"}],
-    }
-    if len(heights) > 1:
-        file["w"] = [here, up + 0 * flow[..., 0], {"units": "m s-1", "standard_name": "upward_air_velocity"}]
-    return file
 
 
 def whole(step=3.0, first=0.0):
@@ -87,7 +57,7 @@ class Sphere(GlobeTest):
     def test_said_aloud(self):
         earth_flows.write(self.folder / "f.nc", wind(*whole()))
         done = self.run_tool("vdblic_import", "f.nc", "-o", "v.%04d.vdb", "--globe")
-        self.assertIn("the shell of 0 to 9000 m is 9.9 % of the Earth's radius, because heights are exaggerated 70 times",
+        self.assertIn("that of 0 to 9000 m is 9.9 % of the Earth's radius, because heights are exaggerated 70 times",
                       done.stderr)
         self.assertIn("voxels of 0.3336", done.stderr)  # 3 degrees on the equator
 
@@ -200,6 +170,17 @@ class Parts(GlobeTest):
             shell = (height > 0) & (height < 9000) & (abs(from_edge) > 1e-6)
             numpy.testing.assert_array_equal(active[shell], (from_edge > 0)[shell])
             self.assertLess(numpy.prod(values.shape[:3]), 200_000)  # not the box of the Earth
+
+    def test_turned_grid(self):
+        """Components along a grid that is turned against east, as of ocean models; on its plane the angles are right to 1 %."""
+        path = self.globe(earth_flows.turned(), "--exaggerate", 1000, "--voxel-size", 0.004)
+        values, active, at = velocity_of(path)
+        inside = active & (velocity_of(path, "rim")[0] > 0)
+        self.assertGreater(inside.sum(), 50)
+        radius = numpy.linalg.norm(at, axis=-1, keepdims=True)
+        east = numpy.stack([-at[..., 1], at[..., 0], 0 * at[..., 0]], axis=-1) / numpy.hypot(at[..., 0], at[..., 1])[..., None]
+        numpy.testing.assert_allclose(values[inside], (0.5 * radius / RADIUS * east)[inside], atol=0.01 * 0.5e-6)
+        numpy.testing.assert_allclose(velocity_of(path, "speed")[0][inside], 0.5, rtol=0.01)
 
     def test_carried(self):
         file = wind(*whole())

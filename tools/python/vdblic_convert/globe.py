@@ -69,7 +69,7 @@ class Points(Target):
 class Box(Target):
     """The box around the shell: it exists for one grid at a time, while that is written."""
 
-    bytes_of_voxel = 30
+    bytes_of_voxel = 40
     mend = "--voxel-size"
 
 
@@ -178,9 +178,9 @@ class Globe:
         self._box = self._box_around()
         self._box.check()
         self._index = self._voxels()
-        shell = f"the shell of {extent.low:g} to {extent.high:g} m is {100 * (self._high - self._low) / R:.2g} % of the "
+        shell = f"that of {extent.low:g} to {extent.high:g} m is {100 * (self._high - self._low) / R:.2g} % of the "
         size = " x ".join(map(str, self._box.size))
-        return f"{len(self._index)} of {size} voxels of {voxel:.4g}, in units of 1000 km; {shell}" + (
+        return f"a shell in {size} voxels of {voxel:.4g}, in units of 1000 km; {shell}" + (
             f"Earth's radius, because heights are exaggerated {self.exaggeration:g} times"
             if depth
             else f"Earth's radius: a single layer is {LAYER} voxels thick with its margin"
@@ -216,9 +216,9 @@ class Globe:
             solid[flows] |= ~known & (radius[flows] <= self._high)
         is_solid = numpy.asarray(self._spread(solid, slice(None)))
         grids[SOLID] = is_solid, is_solid, {"class": "fog volume"}
-        told = f"mean speed {speed.mean():.3g} m/s, of it {flow[:, 0].mean():.3g} m/s eastward and " \
-               f"{flow[:, 1].mean():.3g} m/s northward" if len(speed) else ""
-        return grids, self._box, told
+        east, north = flow[:, :2].mean(axis=0) if len(flow) else (0, 0)
+        told = f"mean speed {speed.mean():.3g} m/s, of it {east:.3g} m/s eastward and {north:.3g} m/s northward"
+        return grids, self._box, told if len(flow) else ""
 
     def metadata(self):
         return {"length_unit": "Mm", "exaggeration": float(self.exaggeration)}
