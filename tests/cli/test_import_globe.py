@@ -6,6 +6,7 @@ import numpy
 import pyopenvdb as vdb
 
 import earth_flows
+import netcdf_flows
 from earth_flows import HEIGHTS, OMEGA, RADIUS, unit_vectors, wind
 from imports import ImportHere, velocity_of
 
@@ -182,6 +183,27 @@ class Parts(GlobeTest):
         numpy.testing.assert_allclose(values[inside], (0.5 * radius / RADIUS * east)[inside], atol=0.01 * 0.5e-6)
         numpy.testing.assert_allclose(velocity_of(path, "speed")[0][inside], 0.5, rtol=0.01)
 
+    def test_levels_that_follow_the_sea_floor(self):
+        """ROMS: its own grid, turned, with land along one side."""
+        netcdf_flows.write_ocean(self.folder / "sea.nc", [0], angle=0.4)
+        path, = self.imports("sea.nc", "-o", "v.%04d.vdb", "--globe", "--exaggerate", 50, "--voxel-size", 0.002)
+        values, active, at = velocity_of(path)
+        radius = numpy.linalg.norm(at, axis=-1)
+        longitude = numpy.degrees(numpy.arctan2(at[..., 1], at[..., 0]))
+        latitude = numpy.degrees(numpy.arcsin(at[..., 2] / radius))
+        inner = active & (velocity_of(path, "rim")[0] > 0.01) & (abs(longitude - 10.25) < 0.15) & (abs(latitude - 43.2) < 0.12)
+        self.assertGreater(inner.sum(), 500)
+        height = (radius - RADIUS / 1e6) / 50 * 1e6
+        scale = RADIUS * numpy.cos(numpy.radians(43.2)), RADIUS
+        place = [scale[0] * numpy.radians(longitude - 10.25), scale[1] * numpy.radians(latitude - 43.2), height]
+        flow = netcdf_flows.wind(numpy.stack(place, axis=-1))
+        numpy.testing.assert_allclose(velocity_of(path, "speed")[0][inner], numpy.linalg.norm(flow, axis=-1)[inner], atol=4e-3)
+        flow[..., :2] *= (radius / RADIUS)[..., None]
+        flow[..., 2] *= 50 / 1e6
+        out, east, north = unit_vectors(longitude, latitude)
+        world = flow[..., :1] * east + flow[..., 1:2] * north + flow[..., 2:] * out
+        numpy.testing.assert_allclose(values[inner], world[inner], atol=4e-3 * abs(world[inner]).max())
+
     def test_carried(self):
         file = wind(*whole())
         file["T"] = [("height", "lat", "lon"), 280 - file["height"][1][:, None, None] / 150 + 0 * file["u"][1], {"units": "K"}]
@@ -216,10 +238,10 @@ class Refused(GlobeTest):
             file[name][2]["standard_name"] = f"projection_{'xy'[name == 'lat']}_coordinate"
         earth_flows.write(self.folder / "f.nc", file)
         message = self.refuses(3, "f.nc", "-o", "v.%04d.vdb", "--globe")
-        self.assertIn("f.nc: --globe needs a grid on longitude and latitude", message)
+        self.assertIn("f.nc: --globe takes grids on longitude and latitude", message)
         self.assertIn("--attribute 'x:units=degrees_east'", message)
         numpy.savez(self.folder / "f.npz", velocity=numpy.ones((4, 4, 4, 3)))
-        self.assertIn("f.npz: --globe needs", self.refuses(3, "f.npz", "-o", "v.%04d.vdb", "--globe", "--layout", "xyzc"))
+        self.assertIn("f.npz: --globe takes", self.refuses(3, "f.npz", "-o", "v.%04d.vdb", "--globe", "--layout", "xyzc"))
 
     def test_voxels(self):
         earth_flows.write(self.folder / "f.nc", wind(*whole()))

@@ -137,8 +137,8 @@ class Globe:
     @staticmethod
     def lacks_degrees(path):
         return InputError(
-            f"{path}: --globe needs a grid on longitude and latitude, which this file does not tell; leave --globe out, "
-            "or say which axes those are: --attribute 'x:units=degrees_east' 'y:units=degrees_north'"
+            f"{path}: --globe takes grids on longitude and latitude, by CF or as ROMS has them, and finds none; leave it "
+            "out, or say which axes those are: --attribute 'x:units=degrees_east' 'y:units=degrees_north'"
         )
 
     def _continued(self, z, fields):
