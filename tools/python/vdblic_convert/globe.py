@@ -11,7 +11,7 @@ import numpy
 from .errors import InputError, ParameterError
 from .readers.earth import RADIUS
 from .resample import flow_at
-from .target import Target
+from .target import Points, Target
 
 UNIT = 1e6  # m
 R = RADIUS / UNIT
@@ -47,22 +47,6 @@ class Extent:
         return (
             (self.width == 360 or (east >= off) & (east <= self.width - off)) & (latitude >= south) & (latitude <= north)
         )
-
-
-@dataclasses.dataclass
-class Points(Target):
-    """Places (n, 3) instead of voxels."""
-
-    at: numpy.ndarray = None
-
-    def centres(self):
-        return self.at
-
-    def along_axes(self):
-        return False
-
-    def place_of(self, other):
-        return None
 
 
 @dataclasses.dataclass

@@ -94,6 +94,22 @@ class Target:
         return f"{_by(self.size)} voxels of {_by(self.spacing)}"
 
 
+@dataclasses.dataclass
+class Points(Target):
+    """Places (n, 3) instead of voxels."""
+
+    at: numpy.ndarray = None
+
+    def centres(self):
+        return self.at
+
+    def along_axes(self):
+        return False
+
+    def place_of(self, other):
+        return None
+
+
 def like(reference):
     """The voxels around the active ones of a grid; `reference` is FILE or FILE:GRID."""
     return Target(**read_box(reference))
