@@ -9,6 +9,7 @@ import dataclasses
 import numpy
 
 from .errors import InputError, ParameterError
+from .readers.around import ROUNDED, eastward, goes_around, has_value, spacing, with_poles
 from .readers.earth import RADIUS
 from .resample import flow_at
 from .target import Points, Target
@@ -19,7 +20,6 @@ SPEED, HEIGHT, RIM, SOLID = GRIDS = "speed", "height", "rim", "solid"
 MARGIN = 2  # voxels beyond the data: those of an interpolation across the rim
 LAYER = 3  # voxels of a single layer
 BODY = 3  # voxels of the Earth below the shell: what is deeper, nobody sees
-ROUNDED = 9  # decimals of a degree
 POLE = 90 - 1e-9  # as VTK finds no cell at the upper end of an axis
 
 
@@ -87,18 +87,18 @@ class Globe:
 
         `place` is in degrees, `z` an axis or (z, y, x), `velocity` names components along x, y and z.
         """
-        longitude, latitude, around = place.x, place.y, _goes_around(place.x)
-        valid = numpy.any([_has_value(field) for field in fields.values()], axis=0)
+        longitude, latitude, around = place.x, place.y, goes_around(place.x)
+        valid = numpy.any([has_value(field) for field in fields.values()], axis=0)
         if not valid.any():
             raise InputError("the first step has no values")
         heights = numpy.broadcast_to(z.reshape(-1, 1, 1) if z.ndim == 1 else z, valid.shape)[valid]
         arrays = fields if z.ndim == 1 else fields | {"": z}  # heights of columns are closed as fields are
         if longitude.ndim == 1:
-            longitude, columns = _eastward(longitude, around)
+            longitude, columns = eastward(longitude, around)
             rows = numpy.argsort(latitude)
             latitude = latitude[rows]
             arrays = {name: values[:, rows][:, :, columns] for name, values in arrays.items()}
-            latitude, arrays = _with_poles(latitude, longitude, arrays, velocity) if around else (latitude, arrays)
+            latitude, arrays = with_poles(latitude, longitude, arrays, velocity) if around else (latitude, arrays)
         elif around:
             turn = 360.0 if longitude[0, -1] > longitude[0, 0] else -360.0
             wrap = lambda values: numpy.concatenate([values[..., -1:], values, values[..., :1]], axis=-1)
@@ -110,7 +110,7 @@ class Globe:
         if self._extent is None:
             self._extent = Extent(
                 west=longitude.min(), south=latitude.min(), north=latitude.max(), curved=longitude.ndim > 1,
-                width=360.0 if around else numpy.ptp(longitude), spacing=_spacing(longitude),
+                width=360.0 if around else numpy.ptp(longitude), spacing=spacing(longitude),
                 low=heights.min(), high=heights.max(),
             )  # fmt: skip
         z = arrays.pop("", z)
@@ -259,68 +259,6 @@ class Globe:
 
     def _spread(self, values, which):
         return Spread(values, self._index[which], self._box.size)
-
-
-def _has_value(field):
-    return numpy.isfinite(field) if field.ndim == 3 else numpy.isfinite(field).all(axis=3)
-
-
-def _spacing(longitude):
-    return float(numpy.median(numpy.abs(numpy.diff(longitude, axis=-1))))
-
-
-def _goes_around(longitude):
-    """Whether longitudes, an axis or (y, x), reach so far that only the seam is left between their ends."""
-    row = longitude if longitude.ndim == 1 else longitude[len(longitude) // 2]
-    return len(row) > 2 and abs(row[-1] - row[0]) + 1.5 * _spacing(row) >= 360
-
-
-def _eastward(longitude, around):
-    """Longitudes from west to east, those around the Earth from 0 on with a column more at both ends; and the columns."""
-    if not around:
-        columns = numpy.argsort(longitude)
-        return longitude[columns] - 360 * numpy.floor(longitude[columns[0]] / 360), columns
-    longitude = numpy.round(longitude, ROUNDED) % 360
-    columns = numpy.argsort(longitude)
-    columns = numpy.r_[columns[-1], columns, columns[0]]
-    longitude = longitude[columns]
-    longitude[0] -= 360
-    longitude[-1] += 360
-    return longitude, columns
-
-
-def _with_poles(latitude, longitude, fields, velocity):
-    """Rows at the poles where the data stop short of them: of vectors the mean vector, of numbers the mean."""
-    for end, pole in (0, -90.0), (-1, 90.0):
-        gap = abs(pole - latitude[end])
-        if not 1e-6 < gap <= 1.01 * abs(latitude[end] - latitude[end + 1 if end == 0 else end - 1]):
-            continue
-        latitude = numpy.insert(latitude, 0 if end == 0 else len(latitude), pole)
-        fields = {name: _with_pole(name, values, longitude, end, pole, velocity) for name, values in fields.items()}
-    return latitude, fields
-
-
-def _with_pole(name, field, longitude, end, pole, velocity):
-    slot = velocity.index(name) if name in velocity else 2
-    if field.ndim == 3 and slot < 2:  # the mean of eastward vectors has a northward component elsewhere
-        field = numpy.stack([field if axis == slot else 0 * field for axis in range(3)], axis=-1)
-    ring = field[:, end]
-    inner = ring[:, 1:-1]  # each longitude once
-    known = numpy.isfinite(inner)
-    mean = lambda values: numpy.where(known.any(axis=1), numpy.nansum(values, axis=1) / numpy.maximum(
-        numpy.count_nonzero(known, axis=1), 1), numpy.nan)  # fmt: skip
-    if field.ndim == 3:
-        row = numpy.broadcast_to(mean(inner)[:, None], ring.shape)
-    else:
-        sign = numpy.sign(pole)  # at a pole north is against the meridian of the place, or along it
-        turned = lambda vector, angle: numpy.stack([
-            vector[..., 0] * numpy.cos(angle) + sign * vector[..., 1] * numpy.sin(angle),
-            vector[..., 1] * numpy.cos(angle) - sign * vector[..., 0] * numpy.sin(angle), vector[..., 2]], axis=-1)  # fmt: skip
-        angle = numpy.radians(longitude)
-        whole = mean(turned(inner, -angle[1:-1]))
-        row = turned(numpy.broadcast_to(whole[:, None], ring.shape), angle)
-    parts = [row[:, None], field] if end == 0 else [field, row[:, None]]
-    return numpy.concatenate(parts, axis=1)
 
 
 def _rounded_down(number):
