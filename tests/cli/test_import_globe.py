@@ -226,6 +226,16 @@ class Parts(GlobeTest):
 
 
 class Refused(GlobeTest):
+    def test_no_values(self):
+        """A step without any gives a volume without any, and a warning."""
+        file = wind(*whole())
+        file["u"][1][...] = numpy.nan
+        earth_flows.write(self.folder / "f.nc", file)
+        done = self.run_tool("vdblic_import", "f.nc", "-o", "v.%04d.vdb", "--globe")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("f.nc: frame 1 has no values within the voxels", done.stderr)
+        self.assertEqual(vdb.read(str(self.folder / "v.0001.vdb"), "velocity").activeVoxelCount(), 0)
+
     def test_options(self):
         for wrong in (["--globe", "--size", 9, 9, 9], ["--globe", "--bounds", 0, 0, 0, 1, 1, 1], ["--exaggerate", 9],
                       ["--globe", "--voxel-size", 1, 1, 2], ["--globe", "--like", "x.vdb"], ["--globe", "--exaggerate", 0]):

@@ -89,9 +89,8 @@ class Globe:
         """
         longitude, latitude, around = place.x, place.y, goes_around(place.x)
         valid = numpy.any([has_value(field) for field in fields.values()], axis=0)
-        if not valid.any():
-            raise InputError("the first step has no values")
-        heights = numpy.broadcast_to(z.reshape(-1, 1, 1) if z.ndim == 1 else z, valid.shape)[valid]
+        heights = numpy.broadcast_to(z.reshape(-1, 1, 1) if z.ndim == 1 else z, valid.shape)
+        heights = heights[valid] if valid.any() else heights
         arrays = fields if z.ndim == 1 else fields | {"": z}  # heights of columns are closed as fields are
         if longitude.ndim == 1:
             longitude, columns = eastward(longitude, around)
