@@ -118,7 +118,10 @@ class Sphere(GlobeTest):
             file[name] = [here, (flow * vector).sum(-1), file[name][2]]
         del file["w"]
         path = self.globe(file, "--voxel-size", 0.2)
-        self.assert_rotates(path, vdb.readMetadata(str(path))["exaggeration"])
+        exaggeration = vdb.readMetadata(str(path))["exaggeration"]
+        _, active, at = self.assert_rotates(path, exaggeration)
+        radius = numpy.linalg.norm(at, axis=-1)
+        self.assertTrue(active[(radius > 6.38) & (radius < 6.38 + 0.9 * exaggeration * 9e-3)].all())  # at the poles, too
 
     def test_files_of_components(self):
         file, here = wind(*whole()), {}

@@ -20,7 +20,6 @@ SPEED, HEIGHT, RIM, SOLID = GRIDS = "speed", "height", "rim", "solid"
 MARGIN = 2  # voxels beyond the data: those of an interpolation across the rim
 LAYER = 3  # voxels of a single layer
 BODY = 3  # voxels of the Earth below the shell: what is deeper, nobody sees
-POLE = 90 - 1e-9  # as VTK finds no cell at the upper end of an axis
 
 
 @dataclasses.dataclass
@@ -254,7 +253,7 @@ class Globe:
         west = self._extent.west
         longitude = west + (numpy.degrees(numpy.arctan2(y, x)) - west) % 360
         latitude = numpy.degrees(numpy.arctan2(z, numpy.hypot(x, y)))
-        return numpy.sqrt(x * x + y * y + z * z), longitude, latitude.clip(-POLE, POLE)
+        return numpy.sqrt(x * x + y * y + z * z), longitude, latitude
 
     def _spread(self, values, which):
         return Spread(values, self._index[which], self._box.size)
