@@ -10,6 +10,9 @@ import numpy
 RADIUS = 6_371_229.0
 SHAPE = 4, 6, 8  # levels, rows, columns
 DEPTHS = numpy.array([5.0, 15, 25, 35])
+TILTED = numpy.array([numpy.cos(numpy.radians(70)), 0, numpy.sin(numpy.radians(70))])  # an axis through 70 N, 0 E
+OMEGA = 1e-5 * TILTED  # 1/s
+HEIGHTS = numpy.array([0.0, 3000, 6000, 9000])
 
 
 def east(longitude, latitude, height):
@@ -52,6 +55,32 @@ def air(levels=(1000.0, 850, 700, 500)):
     file["t"] = [here, 270 * full, {"units": "K", "standard_name": "air_temperature"}]
     rise = {"units": "Pa s-1", "standard_name": "lagrangian_tendency_of_air_pressure"}
     file["w"] = [here, put(-0.02 * levels * 100 * 9.80665 / (287.05 * 270)), rise]  # 0.02 m/s upwards
+    return file
+
+
+def unit_vectors(longitude, latitude):
+    """Outward, eastward and northward vectors."""
+    lon, lat = numpy.radians(longitude), numpy.radians(latitude)
+    zero = 0 * (lon + lat)
+    return (numpy.stack([numpy.cos(lat) * numpy.cos(lon), numpy.cos(lat) * numpy.sin(lon), numpy.sin(lat) + zero], -1),
+            numpy.stack([zero - numpy.sin(lon), zero + numpy.cos(lon), zero], -1),
+            numpy.stack([-numpy.sin(lat) * numpy.cos(lon), -numpy.sin(lat) * numpy.sin(lon), numpy.cos(lat) + zero], -1))
+
+
+def wind(longitude, latitude, heights=HEIGHTS, up=0.0, name="height"):
+    """A file of the solid-body rotation OMEGA."""
+    lon, lat, z = longitude[None, None, :], latitude[None, :, None], heights[:, None, None]
+    out, east, north = unit_vectors(lon, lat)
+    flow = numpy.cross(OMEGA, out) * (RADIUS + z)[..., None]
+    here = (name, "lat", "lon")
+    file = {
+        "lon": [("lon",), longitude, {"units": "degrees_east"}], "lat": [("lat",), latitude, {"units": "degrees_north"}],
+        name: [(name,), heights, {"units": "m", "standard_name": name, "positive": "down" if name == "depth" else "up"}],
+        "u": [here, (flow * east).sum(-1), {"units": "m s-1", "standard_name": "eastward_wind"}],
+        "v": [here, (flow * north).sum(-1), {"units": "m s-1", "standard_name": "northward_wind"}],
+    }
+    if len(heights) > 1:
+        file["w"] = [here, up + 0 * flow[..., 0], {"units": "m s-1", "standard_name": "upward_air_velocity"}]
     return file
 
 

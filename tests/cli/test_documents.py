@@ -90,6 +90,7 @@ class Documents(ToolTest):
         netcdf_flows.write_heights(cls.data / "winds.nc")
         netcdf_flows.write_c_grid(cls.data, [0, 1])
         earth_flows.write(cls.data / "sea.nc", earth_flows.sea())
+        earth_flows.write(cls.data / "air.nc", earth_flows.wind(numpy.arange(0.0, 360, 15), numpy.arange(-90.0, 91, 15)))
         mesh = earth_flows.fvcom()[0]
         earth_flows.write(cls.data / "history.nc", {name: mesh.pop(name) for name in ("u", "v", "zeta", "time")})
         earth_flows.write(cls.data / "mesh.nc", mesh)
@@ -101,7 +102,7 @@ class Documents(ToolTest):
                 for frame in FRAMES if "%" in pattern else [None]:
                     os.link(str(self.data / made) % (frame or 1), str(folder / pattern) % frame if frame else folder / pattern)
 
-        for name in "flow.pvd", "part0.vtu", "part1.vtu", "winds.nc", "U.nc", "V.nc", "W.nc", "cavity", "sea.nc", "history.nc", "mesh.nc":
+        for name in "flow.pvd", "part0.vtu", "part1.vtu", "winds.nc", "U.nc", "V.nc", "W.nc", "cavity", "sea.nc", "air.nc", "history.nc", "mesh.nc":
             (folder / name).symlink_to(self.data / name)
         for frame in FRAMES:
             (folder / f"run.{frame:04}.vtu").symlink_to(self.data / "part0.vtu")

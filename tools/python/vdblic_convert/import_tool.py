@@ -44,6 +44,12 @@ def main(version, words):
         help="Resample to voxels of this size, or of three sizes along x, y and z [world].")  # fmt: skip
     add("--bounds", metavar=box, nargs=6, type=number,
         help="Box that the voxels fill [world]; all of the flow by default.")  # fmt: skip
+    add("--globe", action="store_true",
+        help="Make a shell around the Earth of longitude, latitude and height: Cartesian voxels, in units of 1000 km, x to "
+        "0 degrees east on the equator, z to the north pole. --voxel-size is one length; by default the data's spacing on "
+        "the equator.")  # fmt: skip
+    add("--exaggerate", metavar="FLOAT", type=positive,
+        help="Factor on the heights of --globe; by default the shell is a twentieth to a tenth of the Earth's radius.")  # fmt: skip
     add("--dt", metavar="FLOAT", type=positive,
         help="Seconds from one frame number to the next, in place of the files' times.")  # fmt: skip
     return tool.run(words, run)
@@ -55,6 +61,12 @@ def run(options, console, stop):
     warnings.simplefilter("ignore")  # warnings of packages are for programmers
     from .series import Series  # slow imports wait until the options are valid
 
+    if options.globe:
+        from .globe import GRIDS, Globe
+
+        for name in sorted(set(GRIDS).intersection(options.carry)):
+            raise ParameterError(f"--carry {name}: --globe writes a grid of that name; rename the array")
+        options.globe = Globe(options.exaggerate, options.voxel_size and options.voxel_size[0])
     outputs = Outputs(options, [".vdb"], console, stop)
     series = Series(options, stop)
     if not series.streamed:
@@ -86,6 +98,10 @@ def _check(options):
         (options.size and options.voxel_size, "--size and --voxel-size exclude each other"),
         (not all(a < b for a, b in zip(low, high)),
          "--bounds is an empty box; it takes X0 Y0 Z0 X1 Y1 Z1, the second corner above the first"),
+        (options.globe and (options.like or options.size or options.bounds),
+         "--globe makes voxels of its own; leave out --like, --size and --bounds"),
+        (options.globe and len(options.voxel_size or [1]) > 1, "--voxel-size takes one number with --globe"),
+        (options.exaggerate and not options.globe, "--exaggerate is for --globe"),
         (times[0] > times[1], f"--times {times[0]:g} {times[1]:g} runs backwards"),
     ):  # fmt: skip
         if wrong:
@@ -127,16 +143,17 @@ class Conversion:
         arrays = source.arrays(step.index)
         chosen(arrays, self._names, (), where)  # every step has them
         check_carried(arrays, self._options.carry, where)
+        if self._options.globe:
+            self._write_globe(step, series, path, where)
+            return
         with Parsing(source.path, "the library that reads it", False):
             velocity, carried, mask, met, target = flow_at(
                 source, step.index, self._names, self._options.carry, lambda flow: self._covering(flow, step), where
             )
         self._check_cells(met)
-        self._tell_notes(source)
+        self._tell_of(source)
         if not mask.any():
             self._console.warn(f"{source.path}: frame {step.frame} has no values within the voxels")
-        for text in source.explained.values() if self._options.explain and self._first("explained") else ():
-            self._console.say(text)
         if mask.any() and self._first("summed"):
             self._tell(self._summary(velocity[mask].astype(float), step))
         grids = []
@@ -146,6 +163,22 @@ class Conversion:
             kind = {"vector_type": "contravariant relative"} if vector else {}
             grids.append(vdblic.Grid(values if vector else values[..., 0], mask, *place, kind))
         vdblic.write(path, grids, self._metadata(step, series))
+
+    def _write_globe(self, step, series, path, where):
+        import vdblic
+
+        source, options = step.source, self._options
+        with Parsing(source.path, "the library that reads it", False):
+            arrays, box, told = options.globe.grids(source, step.index, self._names, options.carry, where)
+        self._tell_of(source)
+        if not told:
+            self._console.warn(f"{source.path}: frame {step.frame} has no values within the voxels")
+        elif self._first("summed"):
+            self._tell(told)
+        grids = []
+        for name, (values, active, told) in arrays.items():
+            grids.append(vdblic.Grid(values, active, box.matrix, box.first, name, told))
+        vdblic.write(path, grids, self._metadata(step, series) | options.globe.metadata())
 
     def _choose(self, series):
         """The arrays of the velocity and the grid, by the first step."""
@@ -166,6 +199,10 @@ class Conversion:
                 f"the vertical velocity is 0: {' and '.join(self._names)} have no third component; --array chooses"
                 " others"
             )
+        if options.globe:
+            with Parsing(source.path, "the library that reads it", False):
+                self._tell(options.globe.choose(source, self._names))
+            return options.globe
         if options.like:
             target = like(options.like)
         else:
@@ -222,6 +259,11 @@ class Conversion:
             f"({', '.join(f'{value:.3g}' for value in mean)}), {bearing:.0f} degrees from x towards y, with a mean "
             f"speed of {speed:.3g} {source.unit or 'units'}/s; {start}; z is up"
         )
+
+    def _tell_of(self, source):
+        self._tell_notes(source)
+        for text in source.explained.values() if self._options.explain and self._first("explained") else ():
+            self._console.say(text)
 
     def _tell_notes(self, source):
         for note in source.notes():

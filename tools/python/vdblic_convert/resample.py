@@ -7,7 +7,7 @@ import numpy
 
 from . import vtk_data as vtk
 from .errors import InputError
-from .target import Target, filling, on_points
+from .target import Points, Target, filling, on_points
 
 MOST_VOXELS = 256**3  # of a default grid
 CELL = "cell of the voxel"
@@ -180,6 +180,8 @@ def _probed(dataset, names, target):
     dataset = vtk.shallow_copy(dataset)
     vtk.hide_cells_of_hidden_points(dataset)
     vtk.add_array(dataset.GetCellData(), CELL, numpy.arange(dataset.GetNumberOfCells(), dtype=float))
+    if isinstance(target, Points) and dataset.IsA("vtkRectilinearGrid"):
+        dataset, target = _by_index(dataset, target)
     probe = vtk.filters.vtkProbeFilter()
     probe.SetSourceData(dataset)
     probed = vtk.output_of(probe, _vtk_grid(target))
@@ -191,6 +193,19 @@ def _probed(dataset, names, target):
     flags = numpy.broadcast_to(vtk.cell_flags(dataset), dataset.GetNumberOfCells())
     seen = numpy.count_nonzero(flags & vtk.HIDDEN_CELL == 0)
     return values, mask, len(numpy.unique(value_of(CELL)[mask])) / max(seen, 1)
+
+
+def _by_index(grid, points):
+    """A rectilinear grid as an image on its indices, and the points there: along uneven axes VTK searches step by step."""
+    image = vtk.model.vtkImageData()
+    image.SetDimensions(*vtk.dimensions_of(grid))
+    image.GetPointData().ShallowCopy(grid.GetPointData())
+    image.GetCellData().ShallowCopy(grid.GetCellData())
+    at = []
+    for places, letter in zip(points.at.T, "XYZ"):
+        axis = vtk.bridge.vtk_to_numpy(getattr(grid, f"Get{letter}Coordinates")())
+        at.append(numpy.interp(places, axis, numpy.arange(len(axis)), left=-1, right=len(axis)))
+    return image, Points(points.size, points.matrix, at=numpy.stack(at, axis=1))
 
 
 def _vtk_grid(target):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import typing
 
 import numpy
 from vdblic._core import memory_limit, read_box
@@ -11,7 +12,6 @@ from .errors import InputError, ParameterError
 MOST_INDEX = 131072
 FAR = 2.0**40  # further than any voxel
 ALIGNED = 1e-3  # largest offset of voxels that count as the same [voxels]
-BYTES = 80  # peak for a voxel and its coordinates while it is resampled and written
 
 
 @dataclasses.dataclass
@@ -21,6 +21,9 @@ class Target:
     size: tuple
     matrix: numpy.ndarray
     first: tuple = (0, 0, 0)
+
+    bytes_of_voxel: typing.ClassVar = 80  # peak for a voxel and its coordinates while it is resampled and written
+    mend: typing.ClassVar = "--size or --voxel-size"
 
     @classmethod
     def of_axes(cls, size, origin, spacing):
@@ -77,18 +80,34 @@ class Target:
         """Raise ParameterError if the voxels are more than there can be."""
         if any(not 1 <= n <= MOST_INDEX for n in self.size):
             raise ParameterError(
-                f"{_by(self.size)} voxels: each axis has 1 to {MOST_INDEX}; choose others with --size or --voxel-size"
+                f"{_by(self.size)} voxels: each axis has 1 to {MOST_INDEX}; choose others with {self.mend}"
             )
-        taken = BYTES * float(numpy.prod(numpy.array(self.size, float)))
+        taken = self.bytes_of_voxel * float(numpy.prod(numpy.array(self.size, float)))
         there = memory_limit()
         if taken > there:
             raise ParameterError(
                 f"{_by(self.size)} voxels would take {taken / 2**30:.1f} GiB of memory, and "
-                f"{there / 2**30:.1f} GiB may be used; choose fewer with --size or --voxel-size"
+                f"{there / 2**30:.1f} GiB may be used; choose fewer with {self.mend}"
             )
 
     def __str__(self):
         return f"{_by(self.size)} voxels of {_by(self.spacing)}"
+
+
+@dataclasses.dataclass
+class Points(Target):
+    """Places (n, 3) instead of voxels."""
+
+    at: numpy.ndarray = None
+
+    def centres(self):
+        return self.at
+
+    def along_axes(self):
+        return False
+
+    def place_of(self, other):
+        return None
 
 
 def like(reference):

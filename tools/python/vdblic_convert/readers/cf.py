@@ -67,6 +67,8 @@ class CfFile(Gridded):
     def _read(self, step, names, velocity):
         dimensions = self._fields[names[0]]
         place = horizontal(self, names[0], dimensions)
+        if self.globe and not place.in_degrees:
+            raise self.globe.lacks_degrees(self.path)
         fields = {name: self.field(name, step, dimensions) for name in names}
         there = numpy.any([numpy.isfinite(values) for values in fields.values()], axis=0)
         if dimensions[0] is None:
@@ -89,7 +91,10 @@ class CfFile(Gridded):
             name: self._turned(name, numpy.where(place.torn, numpy.nan, values[:, :, place.columns]), place, velocity)
             for name, values in fields.items()
         }
-        return grid_of(place.x, place.y, z if z.ndim < 3 else z[:, :, place.columns], fields)
+        z = z if z.ndim < 3 else z[:, :, place.columns]
+        if place.in_degrees:
+            return grid_of(*self.globe.closed(place, z, fields, velocity))
+        return grid_of(place.x, place.y, z, fields)
 
     def _turned(self, name, values, place, velocity):
         """A horizontal component as its share of a velocity along the world's axes, where its own are others."""

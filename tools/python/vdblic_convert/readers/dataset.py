@@ -34,7 +34,7 @@ def grids_of(data):
 
     encode = needed("xarray").conventions.encode_cf_variable
     variables = {str(name): encode(data[name].variable, name=name) for name in data.variables}
-    source = _source(Data("the Dataset", variables, data.attrs, {}), argparse.Namespace(dt=1.0))
+    source = _source(Data("the Dataset", variables, data.attrs, {}), argparse.Namespace(dt=1.0, globe=None))
     names, _ = chosen(source.arrays(0), (), source.velocity(0), source.path)
 
     def usual(flow):

@@ -73,7 +73,7 @@ class Gridded(Source):
 
     def __init__(self, data, options):
         self.data, self.path = data, data.path
-        self.explained, self._notes = {}, []
+        self.explained, self._notes, self.globe = {}, [], options.globe
         self.time = self._time_axis()
         try:
             super().__init__(data.path, self._times())

@@ -9,7 +9,7 @@ from .earth import local_plane
 from .gridded import EASTWARD, Gridded
 from .grids import grid_of
 from .heights import TERMS, by_formula
-from .place import angles, ordered
+from .place import Place, angles, ordered
 
 PLACES = (("lon_rho", "lat_rho"), "degree"), (("x_rho", "y_rho"), "m")
 FACES = {1: r"(eta|y)_(v|psi)", 2: r"(xi|x)_(u|psi)"}  # names of dimensions on the faces, by axis of a field
@@ -58,6 +58,10 @@ class OceanFile(Gridded):
             if slot < 2 and not re.fullmatch(EASTWARD, self.data.text(name, "standard_name")):
                 fields[name] = self.along(name, fields[name], turn + slot * numpy.pi / 2)
         z = by_formula(self, self._levels, step, water, METRES)[0][..., columns] if self._levels else numpy.zeros(1)
+        if self.globe:
+            if self._unit != "degree":
+                raise self.globe.lacks_degrees(self.path)
+            x, y, z, fields = self.globe.closed(Place(x, y), z, fields, velocity)
         return grid_of(x, y, z, fields)
 
     def vector_of(self, name):
@@ -140,7 +144,8 @@ class OceanFile(Gridded):
             x, columns = ordered(x)
             y = y[:, columns]
             turn = angles(x, y)[0]
-            x, y, _, self.middle = local_plane(x, y, self.middle)
+            if not self.globe:
+                x, y, _, self.middle = local_plane(x, y, self.middle)
         if "angle" in self.data.variables:
             turn = self.place("angle", step, water)[:, columns]
             turn = self.in_unit("angle", turn, "radian", "radian", "how the grid is turned")

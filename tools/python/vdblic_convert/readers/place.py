@@ -27,7 +27,7 @@ TURNED = 0.005  # rad: a grid that is turned by less lies along the meridians
 
 @dataclasses.dataclass
 class Place:
-    """x and y in metres, axes or (y, x); `columns` puts a field's columns in their order, `torn` are points (y, x)
+    """x and y in metres, for a globe in degrees, axes or (y, x); `columns` puts a field's columns in their order, `torn` are points (y, x)
     whose cells the edge of the plane tears.
 
     `eastward` and `along` are two angles each against the world's x: the directions of east and north, and the
@@ -40,6 +40,7 @@ class Place:
     torn: object = False
     eastward: tuple | None = None
     along: tuple | None = None
+    in_degrees: bool = False
 
 
 def axis_of(data, name):
@@ -131,6 +132,9 @@ def horizontal(source, field, dimensions):
         if lonlat is not None:
             turn = angles(numpy.unwrap(lonlat[0], period=360), lonlat[1])[0] + (numpy.pi if x[0] > x[-1] else 0)
             place.eastward = -turn, numpy.pi / 2 - turn
+        if lonlat is not None and source.globe:
+            place = _on_earth(source, *lonlat, names)
+            place.along = turn[:, place.columns], turn[:, place.columns] + numpy.pi / 2
         return place
     if lonlat is None and mapping and units and all(unit and measures(unit, "degree") for unit in units):
         lonlat = _unprojected(data, mapping, *coordinates("degree", "a turned axis"), degrees=True)
@@ -169,6 +173,8 @@ def _on_earth(source, longitude, latitude, names):
     elif names[0] not in source.explained:
         for name, values in zip(names, (longitude, latitude)):
             source.explain(name, "an axis on the Earth", "degrees", values)
+    if source.globe:
+        return Place(longitude, latitude, columns, torn, (0.0, numpy.pi / 2), turn, True)
     x, y, stretch, source.middle = local_plane(longitude, latitude, source.middle)
     if stretch > 1.05:
         source.notes().append(
