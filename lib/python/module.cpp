@@ -160,17 +160,22 @@ py::dict cameraAt(const CameraKeys& keys, double frame)
     return result;
 }
 
-py::object synth(const std::string& flow, const BoxSize& size, double time, double voxelSize)
+py::list synth(const std::string& flow, const std::optional<BoxSize>& size, double time, double voxelSize)
 {
-    openvdb::Vec3SGrid::Ptr grid;
+    openvdb::GridPtrVec grids;
     {
         const py::gil_scoped_release release;
-        checkBoxSize(size);
-        checkVoxelSize(voxelSize);
-        grid = sampleFlow(flowInBox(findAnalyticFlow(flow), size, voxelSize), *boxDomain(size),
-                          *openvdb::math::Transform::createLinearTransform(voxelSize), time);
+        grids = SynthFlow(flow, size, voxelSize).at(time);
     }
-    return toDictionary(*grid);
+    py::list result;
+    for (const openvdb::GridBase::Ptr& grid : grids)
+        result.append(toDictionary(*grid));
+    return result;
+}
+
+double synthDt(const std::string& flow, double voxelSize)
+{
+    return SynthFlow::dt(findAnalyticFlow(flow), voxelSize);
 }
 
 std::string diff(const std::string& a, const std::string& b, const py::dict& keywords, const py::function& tell)
@@ -304,6 +309,7 @@ PYBIND11_MODULE(_core, module)
     module.def("read", &readVolume);
     module.def("write", &writeVolume);
     module.def("synth", &synth);
+    module.def("synth_dt", &synthDt);
     module.def("diff", &diff);
     module.def("diff_volumes", &diffOfVolumes);
     module.def("png", &png);

@@ -19,7 +19,7 @@ int main()
 {
     try {
         Printer printer;
-        vdblic::synthSequence({.flow = "tornado", .output = "v.%04d.vdb", .size = {32, 32, 32}, .frames = "1-4"},
+        vdblic::synthSequence({.flow = "tornado", .output = "v.%04d.vdb", .size = {{32, 32, 32}}, .frames = "1-4"},
                               printer);
         vdblic::AdvectParams params;
         params.flow.input.pattern = "v.%04d.vdb";

@@ -214,6 +214,8 @@ class Film(ToolTest):
         text = self.film("flow.png", "--view", "top", "--frames", "2-4")
         for part in "--view top", "--annotate colorbar,time,scalebar", "--frames 3":
             self.assertIn(part, text)
+        self.assertIn("--angles 30 -60.5", self.film("flow.png", "--angles", 30, -60.5))
+        self.assertIn("--angles", self.film("flow.png", "--angles", 30, 60, "--view", "top", status=2))
         self.assertNotIn("--annotate", self.film("flow.png", "--plain"))
         text = self.film("flow.png", "--solid", "v.0001.vdb:velocity", "--solid-color", 1, 0, 0, status=3)
         self.assertIn("--solid v.0001.vdb:velocity --solid-color 1 0 0", text)

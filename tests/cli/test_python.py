@@ -110,6 +110,17 @@ class Volumes(ToolTest):
             self.outputs("vdblic_render", f"{path}.vdb", "-o", f"{path}.png", "--size", 40, 30)
         self.assertEqual(self.contents("a.png"), self.contents("b.png"))
 
+    def test_a_globe_is_that_of_the_tool(self):
+        self.outputs("vdblic_synth", "rossby", "-o", "v.vdb", "--frames", 3, "--voxel-size", 0.4)
+        made = next(vdblic.synth("rossby", None, [3], voxel_size=0.4))
+        self.assertEqual((list(made), made.time), (["velocity", "rim", "solid"], 2 * 28800))
+        vdblic.write(self.folder / "w.vdb", made)
+        self.assertEqual(vdblic.diff(self.folder / "v.vdb", self.folder / "w.vdb")["verdict"], "same")
+        with self.assertRaisesRegex(ValueError, "`size` is not for rossby"):
+            next(vdblic.synth("rossby", 8, [1]))
+        with self.assertRaisesRegex(ValueError, "`size` is missing"):
+            next(vdblic.synth("abc", None, [1]))
+
     def test_mistakes(self):
         with self.assertRaisesRegex(ValueError, "nothing.vdb: no such file"):
             vdblic.read(self.folder / "nothing.vdb")

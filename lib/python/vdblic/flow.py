@@ -321,26 +321,29 @@ def _copied(volume):
 
 def synth(
     flow: str,
-    size: int | Sequence[int],
+    size: int | Sequence[int] | None,
     frames: Iterable[int],
     *,
-    dt: float | datetime.timedelta | numpy.timedelta64 = 1 / 24,
+    dt: float | datetime.timedelta | numpy.timedelta64 | None = None,
     voxel_size: float = 0.1,
 ) -> Iterator[Volume]:
     """Yield the velocity of an analytic, unsteady flow for each frame number, as `vdblic_synth` writes it.
 
-    Frame 1 is at time 0. One number is the `size` of a cube. A name that does not exist gives a ValueError with all
-    names.
+    Frame 1 is at time 0. One number is the `size` of a cube; a flow on the Earth takes none. By default `dt` lets the
+    flow move by about 3 voxels. A name that does not exist gives a ValueError with all names.
 
     >>> next(synth("tornado", 8, [1]))
     <vdblic.Volume: velocity (8, 8, 8, 3); frame 1; time 0 s>
     """
-    voxels = numpy.broadcast_to(numpy.asarray(size), 3)
-    if not (voxels == voxels.astype(int)).all():
-        raise ValueError(f"`size` cannot be {size!r:.100}; it is whole numbers of voxels")
-    seconds = seconds_of(dt)
+    box = None
+    if size is not None:
+        voxels = numpy.broadcast_to(numpy.asarray(size), 3)
+        if not (voxels == voxels.astype(int)).all():
+            raise ValueError(f"`size` cannot be {size!r:.100}; it is whole numbers of voxels")
+        box = tuple(voxels.astype(int).tolist())
+    seconds = _core.synth_dt(flow, float(voxel_size)) if dt is None else seconds_of(dt)
     for frame in frames:
         time = (int(frame) - 1) * seconds
-        grid = Grid(**_core.synth(flow, tuple(voxels.astype(int).tolist()), time, float(voxel_size)))
-        grid.metadata |= {"frame": int(frame), "time": time, "dt": seconds}
-        yield Volume([grid])
+        grids = [Grid(**grid) for grid in _core.synth(flow, box, time, float(voxel_size))]
+        grids[0].metadata |= {"frame": int(frame), "time": time, "dt": seconds}
+        yield Volume(grids)

@@ -1,6 +1,7 @@
 #include "vdblic/field/analytic_flow.h"
 
 #include "vdblic/core/errors.h"
+#include "vdblic/field/globe.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -123,10 +124,17 @@ FlowFunction makeRing(const Vec3d&)
     };
 }
 
+FlowFunction makeRossby(const Vec3d&)
+{
+    return rossbyWave;
+}
+
 constexpr AnalyticFlow kFlows[] = {
     {"abc", "Arnold-Beltrami-Childress flow whose phases move to and fro; chaotic", makeAbc},
     {"gyre", "two gyres side by side, one growing while the other shrinks; walled in by the box", makeGyre},
     {"ring", "spherical vortex ring in a head wind that pulsates and moves to and fro along z", makeRing},
+    {"rossby", "Rossby-Haurwitz wave on the Earth, whose pattern turns at a known speed; without --size", makeRossby,
+     true},
     {"rotation", "rigid rotation about z; steady, with known pathlines", makeRotation},
     {"tornado", "helical vortex with an updraft in its core that whirls about z", makeTornado},
     {"uniform", "the same velocity everywhere, along (6, 3, 2); steady, with known pathlines", makeUniform},
@@ -151,6 +159,7 @@ const AnalyticFlow& findAnalyticFlow(std::string_view name)
 
 FlowFunction flowInBox(const AnalyticFlow& flow, const BoxSize& size, double voxelSize)
 {
+    if (flow.isOnGlobe) throw ParameterError(fmt::format("the flow '{}' is on a globe, not in a box", flow.name));
     checkBoxSize(size);
     checkVoxelSize(voxelSize);
     BoxSize sorted = size;

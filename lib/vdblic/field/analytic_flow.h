@@ -13,13 +13,15 @@ namespace vdblic {
 /// A velocity given by a formula: a pure function of position and time. Any number of threads may call it.
 using FlowFunction = std::function<openvdb::Vec3d(const openvdb::Vec3d& position, double time)>;
 
-/// An unsteady flow in a box, without units.
+/// An unsteady flow: in a box, without units, or on a globe, in the units of globe.h.
 ///
-/// `make` takes the box's sides in units of their median, so that flows suit slabs as well as long boxes. Positions are
-/// relative to the box's centre. The unit of time is such that the typical speed is 1.
+/// In a box `make` takes the box's sides in units of their median, so that flows suit slabs as well as long boxes.
+/// Positions are relative to the box's centre. The unit of time is such that the typical speed is 1.
+/// On a globe the extent is of no account.
 struct AnalyticFlow {
     std::string_view name, description;
     FlowFunction (*make)(const openvdb::Vec3d& extent);
+    bool isOnGlobe = false;
 };
 
 /// All flows.
@@ -38,7 +40,7 @@ inline constexpr double kFlowSpeed = 72;
 /// slowly.
 ///
 /// @param voxelSize in world units; the centre of voxel (i, j, k) lies at (i, j, k) · voxelSize
-/// @throws ParameterError of checkBoxSize() and checkVoxelSize()
+/// @throws ParameterError of checkBoxSize() and checkVoxelSize(), or if the flow is on a globe
 [[nodiscard]] FlowFunction flowInBox(const AnalyticFlow& flow, const BoxSize& size, double voxelSize);
 
 } // namespace vdblic

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/paging.h"
 #include "vdblic/field/for_leaves.h"
+#include "vdblic/field/globe.h"
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/io/vdb_file.h"
 
@@ -13,6 +14,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -23,6 +27,27 @@ double timeOf(std::int64_t frame, double dt)
     return double(frame - 1) * dt;
 }
 
+void checkPlace(const AnalyticFlow& flow, const std::optional<BoxSize>& size, double voxelSize)
+{
+    if (flow.isOnGlobe) {
+        if (size)
+            throw ParameterError(fmt::format("`size` is not for {}, whose Earth has a size; leave it out", flow.name));
+        checkGlobe(voxelSize);
+        return;
+    }
+    if (!size) throw ParameterError(fmt::format("`size` is missing: the voxels of {} along x, y and z", flow.name));
+    checkBoxSize(*size);
+    checkVoxelSize(voxelSize);
+}
+
+/// Bytes of all grids, in memory and in the file.
+double bytesOf(const AnalyticFlow& flow, const std::optional<BoxSize>& size, double voxelSize)
+{
+    constexpr double kInBox = 26, kOnGlobe = 56; // a voxel
+    if (flow.isOnGlobe) return kOnGlobe * voxelsOfGlobe(voxelSize);
+    return kInBox * (*size)[0] * (*size)[1] * (*size)[2];
+}
+
 } // namespace
 
 Parameters parametersOf(SynthParams& params)
@@ -31,30 +56,32 @@ Parameters parametersOf(SynthParams& params)
         parameter("flow", "Name of the flow; --list shows them.", params.flow, {.option = "FLOW", .isRequired = true}),
         parameter("output", "The files to write, as a pattern such as velocity.%04d.vdb.", params.output,
                   {.option = "-o,--output", .isRequired = true}),
-        parameter("size", "Voxels along x, y and z.", params.size, {.words = "X Y Z", .isRequired = true}),
+        parameter("size", "Voxels along x, y and z of the box; a globe has none.", params.size, {.words = "X Y Z"}),
         parameter("frames", "Frames to make: 1-100, 1-100x2 or 1,5,9-20; frame 1 is at time 0.", params.frames,
                   {.isRequired = true}),
         parameter("dt",
                   "Seconds from one frame number to the next. With the default a flow moves by about 3 voxels a frame.",
                   params.dt, {.unit = "s"}),
-        parameter("voxel_size", "Voxel size in world units; velocities are in these per second.", params.voxelSize),
+        parameter("voxel_size",
+                  "Voxel size in world units, those of a globe 1000 km; velocities are in these per second.",
+                  params.voxelSize),
     };
 }
 
 void SynthParams::validate() const
 {
-    (void)findAnalyticFlow(flow);
-    checkBoxSize(size);
-    checkVoxelSize(voxelSize);
-    constexpr double kLongest = 1e6; // seconds; the flows' sines lose precision beyond
-    if (!(dt > 0 && dt <= kLongest)) {
-        throw ParameterError(fmt::format("dt {}: must be a positive number of seconds, at most {}", dt, kLongest));
+    const AnalyticFlow& known = findAnalyticFlow(flow);
+    checkPlace(known, size, voxelSize);
+    const double longest = known.isOnGlobe ? 1e9 : 1e6; // seconds; the flows' sines lose precision beyond
+    const double seconds = dt.value_or(SynthFlow::dt(known, voxelSize));
+    if (!(seconds > 0 && seconds <= longest)) {
+        throw ParameterError(fmt::format("dt {}: must be a positive number of seconds, at most {}", seconds, longest));
     }
     const std::vector<std::int64_t> selected = parseFrameList(frames);
     for (const std::int64_t frame : {selected.front(), selected.back()}) {
-        if (std::abs(timeOf(frame, dt)) > kLongest) {
+        if (std::abs(timeOf(frame, seconds)) > longest) {
             throw ParameterError(fmt::format("frame {} is at {} seconds; at most {} are supported, choose a smaller dt",
-                                             frame, timeOf(frame, dt), kLongest));
+                                             frame, timeOf(frame, seconds), longest));
         }
     }
     checkOutputPattern(FramePattern(output), selected.size());
@@ -79,14 +106,42 @@ openvdb::Vec3SGrid::Ptr sampleFlow(const FlowFunction& flow, const Domain& domai
     return grid;
 }
 
+SynthFlow::SynthFlow(std::string_view name, const std::optional<BoxSize>& size, double voxelSize)
+{
+    const AnalyticFlow& flow = findAnalyticFlow(name);
+    checkPlace(flow, size, voxelSize);
+    mTransform = openvdb::math::Transform::createLinearTransform(voxelSize);
+    if (flow.isOnGlobe) {
+        Globe globe = makeGlobe(voxelSize);
+        mFlow = flow.make({});
+        mDomain = std::move(globe.domain);
+        mFixed = {globe.rim, globe.solid};
+    } else {
+        mFlow = flowInBox(flow, *size, voxelSize);
+        mDomain = boxDomain(*size);
+    }
+}
+
+double SynthFlow::dt(const AnalyticFlow& flow, double voxelSize)
+{
+    return flow.isOnGlobe ? 72'000 * voxelSize : 1.0 / 24;
+}
+
+openvdb::GridPtrVec SynthFlow::at(double time) const
+{
+    openvdb::GridPtrVec grids{sampleFlow(mFlow, *mDomain, *mTransform, time)};
+    if (!mFixed.empty()) grids.front()->insertMeta("length_unit", openvdb::StringMetadata("Mm"));
+    grids.insert(grids.end(), mFixed.begin(), mFixed.end());
+    return grids;
+}
+
 void synthSequence(const SynthParams& params, Reporter& reporter)
 {
     params.validate();
-    const FlowFunction flow = flowInBox(findAnalyticFlow(params.flow), params.size, params.voxelSize);
-    constexpr double kBytes = 26; // per voxel: its values in memory and in the file
-    paging::makeRoom(kBytes * params.size[0] * params.size[1] * params.size[2]);
-    const std::shared_ptr<const Domain> domain = boxDomain(params.size);
-    const auto transform = openvdb::math::Transform::createLinearTransform(params.voxelSize);
+    const AnalyticFlow& known = findAnalyticFlow(params.flow);
+    paging::makeRoom(bytesOf(known, params.size, params.voxelSize));
+    const SynthFlow flow(params.flow, params.size, params.voxelSize);
+    const double dt = params.dt.value_or(SynthFlow::dt(known, params.voxelSize));
     const FramePattern pattern(params.output);
     const std::vector<std::int64_t> frames = parseFrameList(params.frames);
     checkOutputs(pattern, frames);
@@ -94,12 +149,12 @@ void synthSequence(const SynthParams& params, Reporter& reporter)
     for (const std::int64_t frame : frames) {
         reporter.checkStop();
         reporter.progress(done++, frames.size());
-        const double time = timeOf(frame, params.dt);
-        const openvdb::Vec3SGrid::Ptr grid = sampleFlow(flow, *domain, *transform, time);
-        grid->insertMeta("frame", openvdb::Int64Metadata(frame));
-        grid->insertMeta("time", openvdb::DoubleMetadata(time));
-        grid->insertMeta("dt", openvdb::DoubleMetadata(params.dt));
-        writeVdb(pattern.path(frame), {grid}, {});
+        const double time = timeOf(frame, dt);
+        const openvdb::GridPtrVec grids = flow.at(time);
+        grids.front()->insertMeta("frame", openvdb::Int64Metadata(frame));
+        grids.front()->insertMeta("time", openvdb::DoubleMetadata(time));
+        grids.front()->insertMeta("dt", openvdb::DoubleMetadata(dt));
+        writeVdb(pattern.path(frame), {grids.begin(), grids.end()}, {});
         reporter.finished(pattern.path(frame));
     }
     reporter.progress(done, frames.size());

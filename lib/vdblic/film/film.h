@@ -30,6 +30,7 @@ struct FilmParams {
     std::array<int, 2> size{1280, 720};
     std::string look{}; ///< empty: the method's
     ViewSide view = ViewSide::kThreeQuarter;
+    std::optional<glm::dvec2> angles{};      ///< as in CameraParams, in place of `view`
     std::string solid{};                     ///< as in PictureParams; empty: the box's inactive voxels
     glm::dvec3 solidColor{0.42, 0.44, 0.47}; ///< as displayed; darker than the flow
     bool plain = false;                      ///< without colour bar, time and scale bar

@@ -320,6 +320,7 @@ class FilmPlanner {
                 render["stretch"].push_back(fmt::format("{}", stretch));
         }
         if (mParams.view != ViewSide::kThreeQuarter) render["view"] = {std::string(nameOf(mParams.view))};
+        if (mParams.angles) render["angles"] = WordsOf<glm::dvec2>::write(*mParams.angles);
         if (!mParams.solid.empty()) {
             render["solid"] = {mParams.solid};
         } else if (flowsAroundSolid()) {

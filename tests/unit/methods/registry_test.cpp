@@ -81,7 +81,8 @@ TEST(TextureMethods, RunThoughAProgramBringsThem)
     const TemporaryFolder folder;
     Reporter silent;
     synthSequence(
-        {.flow = "tornado", .output = (folder / "v.%04d.vdb").string(), .size = {12, 12, 12}, .frames = "1-3"}, silent);
+        {.flow = "tornado", .output = (folder / "v.%04d.vdb").string(), .size = {{12, 12, 12}}, .frames = "1-3"},
+        silent);
     AdvectParams params;
     params.flow.input.pattern = (folder / "v.%04d.vdb").string();
     params.output = (folder / "white.%04d.vdb").string();

@@ -15,7 +15,7 @@ import numpy
 from .errors import InputError, ParameterError
 from .metadata import number_of
 
-METERS = {"m": 1, "km": 1000, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
+METERS = {"m": 1, "Mm": 1000000, "km": 1000, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}
 USUAL_RATE = 24
 _CLASSES = {"fog volume": "fogVolume", "level set": "levelSet", "staggered": "staggered"}
 _TYPES = {"vec3s": "float3", "vec3d": "double3"}
