@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import html
 import json
 import re
 import shutil
@@ -12,6 +13,7 @@ import unittest
 import numpy
 
 import python_module  # pylint: disable=unused-import
+import vdblic
 from support import ToolTest, skip
 
 try:
@@ -127,6 +129,41 @@ class Pages(ToolTest):
         self.wait_until(lambda: self.element("message").text == "", "no picture in a frame")
         self.assertEqual(self.browser.get_log("browser"), [])
         self.assertEqual(self.requests(), {(self.folder / name).as_uri() for name in ("frame.html", "flow.html")})
+
+    def test_in_a_notebook(self):
+        """streaks() of Python makes the same page, and a frame without rights shows it."""
+        made = vdblic.streaks(str(self.folder / "v.%04d.vdb"), frames=range(1, 5), spacing=3, tail=3, with_="q")
+        made.save(self.folder / "notebook.html")
+        self.assertEqual(list(made), [])
+        columns = lambda name: numpy.concatenate(packed(self.folder / name)[1])
+        self.export()
+        numpy.testing.assert_array_equal(columns("notebook.html"), columns("flow.html"))
+        shown = made._repr_html_()
+        self.assertEqual(html.unescape(re.search(r'srcdoc="([^"]*)"', shown)[1]), (self.folder / "notebook.html").read_text())
+        (self.folder / "cell.html").write_text(f"<!doctype html><title>cell</title>{shown}")
+        self.browser.get("about:blank")
+        self.browser.get_log("browser")
+        self.browser.get((self.folder / "cell.html").as_uri())
+        self.browser.switch_to.frame(0)
+        self.wait_until(lambda: self.element("message").text == "", "no picture in a notebook")
+        self.assertEqual(self.browser.get_log("browser"), [])
+
+    def test_runs_without_a_page(self):
+        source = str(self.folder / "v.0001.vdb")
+        voxels = vdblic.streaks(source, spacing=6, draw="voxels")
+        self.assertIsNone(voxels._repr_html_())
+        with self.assertRaisesRegex(ValueError, "leave `draw` out"):
+            voxels.save(self.folder / "a.html")
+        self.assertEqual(len(list(voxels)), 1)
+        ended = vdblic.streaks(source, spacing=6)
+        next(ended)
+        ended.close()
+        self.assertIsNone(ended._repr_html_())
+        with self.assertRaisesRegex(ValueError, "the run has ended"):
+            ended.save(self.folder / "a.html")
+        with self.assertRaisesRegex(ValueError, r"a\.png"):
+            ended.save(self.folder / "a.png")
+        self.assertFalse((self.folder / "a.html").exists())
 
     def test_places_are_exact(self):
         """What each frame adds to the paths is there, within 1/4000 of the box, at its time."""

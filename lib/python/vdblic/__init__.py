@@ -11,7 +11,8 @@ velocities is 'v.%04d.vdb', an iterable of arrays (x, y, z, 3) or of pairs (time
 
     film(velocities, path)          a film or a still, as vdblic_film makes it
     advect(velocities, ...)         the texture of each frame, as soon as it is finished
-    streaks(velocities, ...)        its streaks as lines, which are drawn, written and read as arrays
+    streaks(velocities, ...)        its streaks as lines, which are drawn, written and read as arrays; a
+                                    notebook shows them as a page that moves, and save() writes it
     Flow(...)                       textures for a solver that pushes its velocity, also by ranks of mpi4py
     Renderer(...)(texture)          a Picture
     read(path), write(path, data)   volumes: grids by name, which are arrays, and metadata
@@ -27,7 +28,7 @@ OSError where an output cannot be written; their messages name parameters by the
 
 from ._core import __version__
 from .films import Film, film
-from .flow import Flow, Textures, advect, streaks, synth
+from .flow import Flow, Streaks, Textures, advect, streaks, synth
 from .grids import Grid, Lines, Volume
 from .measures import coherence, diff
 from .pictures import Picture, Renderer
@@ -40,6 +41,7 @@ __all__ = [
     "Lines",
     "Picture",
     "Renderer",
+    "Streaks",
     "Textures",
     "Volume",
     "__version__",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import collections
 import dataclasses
 import datetime
+import functools
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ import numpy
 from . import _core
 from .frames import Frame, FrameReader, Frames, is_path, seconds_of
 from .grids import Grid, Volume
+from .pages import Page, gathered, page
 from .parameters import checked, described
 from .progress import Progress, Teller
 from .ranks import Ranks
@@ -58,6 +60,42 @@ class Textures(Iterator[Volume]):
         self.close()
 
 
+class Streaks(Textures):
+    """The streaks of a run, frame by frame. A notebook shows them as a page that moves, and save() writes it. The page has
+    the frames that were not read yet, and ends the run.
+    """
+
+    def __init__(self, run: Any, teller: Teller, has_lines: bool) -> None:
+        super().__init__(run, teller)
+        self._has_lines = has_lines
+        self._page: Page | None = None
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the page, an .html of at most 25 MB that any browser opens. Raises OSError if it cannot be written, and
+        ValueError if the run has ended or has no line.
+        """
+        _core.check_extension(path_of(path), [".html"])
+        _core.check_output(path_of(path))
+        self._made().save(path)
+
+    def _repr_html_(self) -> str | None:
+        is_left = self._page is not None or self._run is not None and self._has_lines
+        return self._made()._repr_html_() if is_left else None
+
+    def _made(self):
+        if self._page is None:
+            if not self._has_lines:
+                raise ValueError("a page shows lines; leave `draw` out")
+            if self._run is None:
+                raise ValueError("the run has ended; call streaks() again for a page of all its frames")
+            paths, frames, first = gathered((made.frame, made.lines.stored.arrays(), made.metadata) for made in self)
+            if not paths.radius:
+                raise ValueError("no line in any frame; there is nothing to show")
+            tell = functools.partial(self._teller, "warned")
+            self._page = Page(page(paths.finish(), "Streaks", frames, first, tell))
+        return self._page
+
+
 def advect(
     velocities: str | os.PathLike[str] | Iterable[Frame],
     /,
@@ -94,7 +132,7 @@ def advect(
     [0.0, 0.5, 1.0]
     """
     frames = None if is_path(velocities) else Frames(velocities, voxel_size, layout)
-    return _textures("advect", velocities, frames, checked("advect", parameters, PARAMETERS), progress)
+    return Textures(*_begun("advect", velocities, frames, checked("advect", parameters, PARAMETERS), progress))
 
 
 PARAMETERS = described(advect, _core.parameters("advect"), without=("input",))
@@ -108,9 +146,12 @@ def streaks(
     layout: str | None = None,
     progress: Progress = None,
     **parameters: Unpack[StreakOptions],
-) -> Textures:
+) -> Streaks:
     """Yield the streaks of every frame: a Volume whose `lines` are the streaks, each with a bright head and a tail that
-    fades. A Renderer draws it and write() stores it. `draw="voxels"` yields textures in their place.
+    fades. A Renderer draws it and write() stores it. `draw="voxels"` yields textures in their place. A notebook shows the
+    result as a page that moves, and save() writes the page:
+
+        vdblic.streaks(velocities, voxel_size=0.1).save("flow.html")
 
     The streaks are those of `vdblic_advect --method streaks --draw lines`, bit for bit.
 
@@ -125,7 +166,8 @@ def streaks(
     """
     frames = None if is_path(velocities) else Frames(velocities, voxel_size, layout)
     options: dict[str, Any] = {"draw": "lines"} | checked("streaks", parameters, STREAK_PARAMETERS)
-    return _textures("streaks", velocities, frames, options | {"method": "streaks"}, progress)
+    run, teller = _begun("streaks", velocities, frames, options | {"method": "streaks"}, progress)
+    return Streaks(run, teller, options["draw"] == "lines")
 
 
 _OF_OTHERS = (
@@ -134,8 +176,8 @@ _OF_OTHERS = (
 STREAK_PARAMETERS = described(streaks, _core.parameters("advect"), without=_OF_OTHERS)
 
 
-def _textures(title, velocities, frames, options, progress):
-    """The textures of a run. @param frames  of velocities in memory, else None"""
+def _begun(title, velocities, frames, options, progress):
+    """A run and its teller. @param frames  of velocities in memory, else None"""
     volumes = None
     if frames is None:
         options["input"] = os.fspath(velocities)  # type: ignore[arg-type]
@@ -145,7 +187,7 @@ def _textures(title, velocities, frames, options, progress):
         volumes = _members(frames)
     teller = Teller(progress, title)
     try:
-        return Textures(_core.Textures(options, volumes, frames.count if frames else 0, teller), teller)
+        return _core.Textures(options, volumes, frames.count if frames else 0, teller), teller
     except BaseException:
         teller.close()
         raise

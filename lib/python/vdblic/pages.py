@@ -8,8 +8,9 @@ import hashlib
 import html
 import json
 import math
+import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import numpy
 
 from . import _core
 from .paths import Paths
+from .volumes import path_of
 
 _FILES = Path(__file__).parent / "page"
 _STEPS = 8191  # across each side of the box
@@ -27,18 +29,55 @@ _MODULES = "vector.js", "elements.js", "camera.js", "hand.js", "data.js", "scene
 _POLICY = "default-src 'none'; img-src data: blob:; base-uri 'none'; form-action 'none'"
 
 
+class Page:
+    """A page for browsers, .html, which a notebook shows in a frame that may run its script and nothing else."""
+
+    def __init__(self, data: bytes) -> None:
+        self.data = data
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write it to an .html file, complete or not at all. Raises OSError if it cannot be written."""
+        _core.check_extension(path_of(path), [".html"])
+        _core.write_file(path_of(path), self.data)
+
+    def __repr__(self) -> str:
+        return f"<vdblic.Page {len(self.data)} bytes>"
+
+    def _repr_html_(self) -> str:
+        return (
+            '<iframe title="The flow" sandbox="allow-scripts allow-downloads" style="width:100%;height:540px;border:0" '
+            f'srcdoc="{html.escape(self.data.decode())}"></iframe>'
+        )
+
+
+def gathered(frames: Iterable[tuple[int, dict[str, Any], dict[str, Any]]]) -> tuple[Paths, list[float], dict[str, Any]]:
+    """Paths of streaks, frame by frame: the paths, the frames' numbers and the metadata of the first.
+
+    @param frames  in order: number, lines as read_lines() has them, metadata
+    """
+    paths, numbers, first = Paths(0), [], {}
+    for number, lines, metadata in frames:
+        if not numbers:
+            first = metadata
+            told = metadata.get("tail")
+            paths.tail = float(told) if _is_number(told) and told > 0 else max([1.0, *lines["age"].tolist()[:100000]])
+        paths.add(number, lines)
+        numbers.append(float(number))
+    return paths, numbers, first
+
+
 def page(
-    paths: Paths, title: str, frames: list[float], metadata: dict[str, Any], stretch: Any, most: float, say: Callable[[str], None]
+    paths: Paths, title: str, frames: list[float], metadata: dict[str, Any], say: Callable[[str], None], most: float = 25e6
 ) -> bytes:
     """The page of paths.
 
-    @param frames in order  @param stretch of the axes, None for one that suits  @param most its bytes
+    @param paths  finished  @param frames  in order  @param most  bytes of the page
     """
     told = {"title": title, "frames": frames, "tail": paths.tail, "radius": paths.radius}
     told |= {key: str(metadata[key]) for key in ("start", "length_unit") if key in metadata}
     told |= {key: float(metadata[key]) for key in ("time", "dt") if _is_number(metadata.get(key))}
     low, high = paths.points.min(axis=0), paths.points.max(axis=0)
-    told |= {"low": low.tolist(), "high": high.tolist(), "stretch": list(stretch or _stretch(high - low))}
+    told |= {"low": low.tolist(), "high": high.tolist(), "stretch": _stretch(high - low)}
     told |= {"maps": {name: _colors(name) for name in _MAPS}}
     told["scalars"] = [_scale(name, values, told) for name, values in paths.scalars.items()]
     whole = len(paths.counts)

@@ -7,10 +7,7 @@ from vdblic._core import FramePattern, check_output, read_lines, write_file
 
 from .console import printable
 from .errors import InputError, ParameterError
-from .metadata import number_of
 from .outputs import check_not_inputs, frames_of, is_whole
-
-_MOST = 25e6  # bytes
 
 
 def size(text):
@@ -27,8 +24,7 @@ def add_page_options(tool):
 
 
 def export_page(options, console, stop):
-    from vdblic.pages import page
-    from vdblic.paths import Paths  # NumPy takes long to load
+    from vdblic.pages import gathered, page  # NumPy takes long to load
 
     if options.grids or options.levels:
         raise ParameterError("a page has the lines with all their scalars; leave --grids and --levels out")
@@ -40,19 +36,18 @@ def export_page(options, console, stop):
     found = sorted(frames_of(options, stop, lambda frames, sources: check_not_inputs([path], sources)))
     check_not_inputs([path], [source for _, source in found])
     if not (options.skip_existing and is_whole(path, console)):
-        paths, first = None, None
-        for done, (frame, source) in enumerate(found):
-            stop.check()
-            lines, metadata = read_lines(source)
-            if paths is None:
-                first = metadata
-                tail = number_of(metadata, "tail") or max([1.0, *lines["age"].tolist()[:100000]])
-                paths = Paths(tail)
-            paths.add(frame, lines)
-            console.progress(frame, done + 1, len(found))
+        paths, frames, first = gathered(_read(found, console, stop))
         if not paths.radius:
             raise InputError(f"{found[0][1]}: no line in any frame; there is nothing to show")
         title = printable(str(first.get("title", found[0][1].stem.split(".")[0])))
-        frames = [frame for frame, _ in found]
-        write_file(path, page(paths.finish(), title, frames, first, None, options.max_size or _MOST, console.say))
+        size = {"most": options.max_size} if options.max_size else {}
+        write_file(path, page(paths.finish(), title, frames, first, console.say, **size))
     console.finished(path)
+
+
+def _read(found, console, stop):
+    for done, (frame, source) in enumerate(found, 1):
+        stop.check()
+        lines, metadata = read_lines(source)
+        yield frame, lines, metadata
+        console.progress(frame, done, len(found))
