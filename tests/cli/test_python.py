@@ -112,10 +112,11 @@ class Volumes(ToolTest):
 
     def test_a_globe_is_that_of_the_tool(self):
         self.outputs("vdblic_synth", "rossby", "-o", "v.vdb", "--frames", 3, "--voxel-size", 0.4)
-        made = next(vdblic.synth("rossby", None, [3], voxel_size=0.4))
-        self.assertEqual((list(made), made.time), (["velocity", "rim", "solid"], 2 * 28800))
-        vdblic.write(self.folder / "w.vdb", made)
-        self.assertEqual(vdblic.diff(self.folder / "v.vdb", self.folder / "w.vdb")["verdict"], "same")
+        made, stored = next(vdblic.synth("rossby", None, [3], voxel_size=0.4)), vdblic.read(self.folder / "v.vdb")
+        self.assertEqual((set(made), made.time), (set(stored), 2 * 28800))
+        for name, grid in made.items():
+            numpy.testing.assert_array_equal(grid.values, stored[name].values, name)
+            self.assertEqual(grid.origin, stored[name].origin)
         with self.assertRaisesRegex(ValueError, "`size` is not for rossby"):
             next(vdblic.synth("rossby", 8, [1]))
         with self.assertRaisesRegex(ValueError, "`size` is missing"):
