@@ -55,11 +55,13 @@ def gathered(frames: Iterable[tuple[int, dict[str, Any], dict[str, Any]]]) -> tu
 
     @param frames  in order: number, lines as read_lines() has them, metadata
     """
-    paths, numbers, first = Paths(0), [], {}
+    paths = Paths(0)
+    numbers: list[float] = []
+    first: dict[str, Any] = {}
     for number, lines, metadata in frames:
         if not numbers:
             first = metadata
-            told = metadata.get("tail")
+            told: Any = metadata.get("tail")
             paths.tail = float(told) if _is_number(told) and told > 0 else max([1.0, *lines["age"].tolist()[:100000]])
         paths.add(number, lines)
         numbers.append(float(number))

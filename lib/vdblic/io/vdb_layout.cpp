@@ -76,7 +76,7 @@ class Cursor {
     {
         const auto length = value<std::uint32_t>(what);
         if (length > longest || length > left()) {
-            throw InputError(fmt::format("{} has a length of {}, which cannot be", what, length));
+            throw InputError(fmt::format("{} has a length of {}, which is impossible", what, length));
         }
         std::string result(length, '\0');
         read(result.data(), length, what);
@@ -113,7 +113,7 @@ void readMetadata(Cursor& cursor, const Visit& visit)
         const auto* fixed = std::find_if(kFixedSizes.begin(), kFixedSizes.end(),
                                          [&](const FixedSize& known) { return known.type == type; });
         if (size > cursor.left() || (fixed != kFixedSizes.end() && fixed->bytes != size)) {
-            throw InputError(fmt::format("the metadata '{}' have a size of {}, which cannot be", name, size));
+            throw InputError(fmt::format("the metadata '{}' have a size of {}, which is impossible", name, size));
         }
         const std::uint64_t after = cursor.at() + size;
         visit(name, type, size);

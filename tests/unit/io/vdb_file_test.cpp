@@ -177,7 +177,7 @@ void expectNoOverflow(bool half, std::uint32_t compression, int bytes)
         (void)readVdb(folder.add("b.vdb", content));
         FAIL();
     } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find(fmt::format("take {} bytes", -wrong)), std::string::npos)
+        EXPECT_NE(std::string(error.what()).find(fmt::format("size of {} bytes", -wrong)), std::string::npos)
             << error.what();
     }
 }

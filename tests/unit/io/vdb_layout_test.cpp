@@ -129,7 +129,8 @@ TEST(VdbLayout, SaysWhatIsWrong)
     EXPECT_EQ(complaint(with(bytes, count, -1)), "it says to have -1 grids");
     EXPECT_EQ(complaint(with(bytes, count, 1'000'000)), "it says to have 1000000 grids");
     const std::size_t name = layout.grids[1].begin;
-    EXPECT_EQ(complaint(with(bytes, name, 0xfffffff0u)), "a grid's name has a length of 4294967280, which cannot be");
+    EXPECT_EQ(complaint(with(bytes, name, 0xfffffff0u)),
+              "a grid's name has a length of 4294967280, which is impossible");
     const std::size_t offsets = name + 4 + 4 + 4 + layout.grids[1].type.size() + 4; // after name, type, instance
     EXPECT_NE(complaint(with(bytes, offsets + 8, std::int64_t(bytes.size()) + 1)).find("do not lie in order"),
               std::string::npos);
