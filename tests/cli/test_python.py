@@ -149,6 +149,51 @@ class Volumes(ToolTest):
         self.assertEqual(self.files(), ["broken.vdb"])
 
 
+class Globe(ToolTest):
+    """Particles in the wave on the Earth, of which the wind is known, with voxels of 2 degrees."""
+
+    VOXEL, OMEGA = 6.371 * numpy.radians(2), 7.848e-6
+    RATE = (28 * OMEGA - 2 * 7.292e-5) / 30
+
+    def wind(self, places, time):
+        """The formula of Williamson and others, 1992, in longitude and latitude."""
+        x, y, z = places.T
+        radius, ring = numpy.linalg.norm(places, axis=1), numpy.hypot(x, y)
+        sine, cosine, angle = z / radius, ring / radius, 4 * (numpy.arctan2(y, x) - self.RATE * time)
+        east = self.OMEGA * radius * (cosine + cosine**3 * (4 * sine**2 - cosine**2) * numpy.cos(angle))
+        north = -4 * self.OMEGA * radius * cosine**3 * sine * numpy.sin(angle)
+        return numpy.stack([-east * y - north * sine * x, east * x - north * sine * y, north * cosine * ring], axis=1) / ring[:, None]
+
+    def later(self, places, time, seconds, steps=20):
+        """Where particles are after some seconds (Runge-Kutta)."""
+        step = seconds / steps
+        for at in time + step * numpy.arange(steps):
+            a = self.wind(places, at)
+            b = self.wind(places + step / 2 * a, at + step / 2)
+            c = self.wind(places + step / 2 * b, at + step / 2)
+            d = self.wind(places + step * c, at + step)
+            places = places + step / 6 * (a + 2 * b + 2 * c + d)
+        return places
+
+    def test_particles_turn_at_their_speed_at_the_poles_as_at_the_equator(self):
+        frames = vdblic.synth("rossby", None, range(1, 8), voxel_size=self.VOXEL)
+        *_, before, after = vdblic.streaks(frames, spacing=2)
+        heads = [dict(zip(volume.lines.ids, volume.lines.points[numpy.cumsum(volume.lines.counts) - 1])) for volume in (before, after)]
+        both = sorted(heads[0].keys() & heads[1].keys())
+        start, end = (numpy.array([head[name] for name in both], float) for head in heads)
+        radius = numpy.linalg.norm(start, axis=1)
+        inside = (radius > 6.371) & (radius < 6.371 + 5 * self.VOXEL)
+        start, end, radius = start[inside], end[inside], radius[inside]
+        exact = self.later(start, before.time, after.time - before.time)
+        self.assertLess(abs(numpy.linalg.norm(end, axis=1) - radius).mean(), 1e-3 * self.VOXEL)
+        latitude = abs(numpy.degrees(numpy.arcsin(start[:, 2] / radius)))
+        for low, high in (0, 10), (30, 60), (80, 90):
+            band = (latitude >= low) & (latitude < high)
+            self.assertGreater(band.sum(), 50)
+            turn, expected = (numpy.angle((to[:, 0] + 1j * to[:, 1]) / (start[:, 0] + 1j * start[:, 1]))[band] for to in (end, exact))
+            self.assertLess(abs(turn.sum() / expected.sum() - 1), 1e-3, (low, high))
+
+
 class Advect(ToolTest):
     def assert_equal(self, textures, paths):
         """The textures are those of the files, bit for bit."""

@@ -171,6 +171,8 @@ class Layers(ToolTest):
         plain = self.layer("o.1.vdb").read_text()
         self.assertIn("metersPerUnit = 1000\n", plain)
         self.assertIn("timeCodesPerSecond = 25\n", plain)
+        self.box("e.1.vdb", (0, 0, 0), (4, 4, 4), vdb.createLinearTransform(1), {"length_unit": "Mm"})
+        self.assertIn("metersPerUnit = 1000000\n", self.layer("e.1.vdb").read_text())
         self.assertIn("startTimeCode = 1\n", plain)
         self.assertIn("endTimeCode = 2\n", plain)  # motion is blurred over an interval
         text = self.layer("-", "--up", "y", "--fps", 30, "--meters-per-unit", 0.01, stdin="o.1.vdb\n").read_text()

@@ -34,13 +34,15 @@ constexpr const char* kSource = "source";
 using HalfCodec = openvdb::points::TruncateCodec;
 using UnitCodec = openvdb::points::FixedPointCodec<true, openvdb::points::UnitRange>;
 
-/// Append a scalar as halfs, or as floats if one is too large for that.
+/// Append a scalar as halfs, or as floats where its largest magnitude is outside the range of texture files.
 void appendScalar(PointDataGrid& grid, const PointIndexGrid& index, const std::string& name,
                   const std::vector<float>& values)
 {
-    constexpr float kLargestHalf = 65504;
-    const bool fits =
-        std::none_of(values.begin(), values.end(), [](float value) { return std::abs(value) > kLargestHalf; });
+    constexpr float kLeast = 1.0f / 16, kMost = 65504;
+    float largest = 0;
+    for (const float value : values)
+        largest = std::fmax(largest, std::abs(value)); // passes over NaN
+    const bool fits = largest == 0 || (largest >= kLeast && largest <= kMost);
     fits ? appendValues<float, HalfCodec>(grid, index, name, values) : appendValues(grid, index, name, values);
 }
 

@@ -23,8 +23,8 @@ inline constexpr const char* kLineAge = "age"; ///< attribute of Lines::ages
 inline constexpr auto kLineAttributes =
     std::to_array<std::string_view>({"P", "id", "order", "pscale", "Alpha", kLineAge, "source"});
 
-/// The grid of lines. Positions have 16 bits a coordinate within a voxel; scalars are halfs, or floats if a value
-/// exceeds that range. Computed in parallel; the bytes do not depend on the number of threads.
+/// The grid of lines. Positions have 16 bits a coordinate within a voxel; scalars are halfs, or floats if the largest
+/// magnitude is outside 1/16 to 65504. Computed in parallel; the bytes do not depend on the number of threads.
 /// @param transform of the velocity
 [[nodiscard]] openvdb::GridBase::Ptr lineGrid(const Lines& lines, const openvdb::math::Transform& transform);
 

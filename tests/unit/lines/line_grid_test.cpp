@@ -95,6 +95,19 @@ TEST(LineGrid, KeepsLinesButForItsPrecision)
     EXPECT_TRUE(farthest > 0);
 }
 
+/// Such as Q of the atmosphere in SI units, which as halfs were all 0.
+TEST(LineGrid, KeepsScalarsThatAreTooSmallForHalfs)
+{
+    Lines lines = someLines();
+    for (float& value : lines.scalars[1].values)
+        value *= 1e-14f;
+    lines.scalars[1].values[7] = kNone;
+    const Lines found = linesOf(*lineGrid(lines, *kTransform));
+    const std::size_t tiny = found.scalars[0].name == "large" ? 0 : 1;
+    for (std::size_t i = 0; i < lines.pointCount(); ++i)
+        EXPECT_TRUE(i == 7 || found.scalars[tiny].values[i] == lines.scalars[1].values[i]) << i;
+}
+
 TEST(LineGrid, MayBeEmpty)
 {
     const openvdb::GridBase::Ptr grid = lineGrid({}, *kTransform);
