@@ -209,6 +209,16 @@ class Film(ToolTest):
             every = {"--opacity-by q", "--solid domain", "--stretch 1 1 3"}
             self.assertEqual({option for option in every if option in text}, options, text)
 
+    def test_globe(self):
+        """Streaks begin within the rims of a shell around the Earth, which is solid."""
+        self.outputs("vdblic_synth", "rossby", "-o", "g.%04d.vdb", "--frames", "1-3", "--voxel-size", 0.4)
+        for options, part in ((), "--solid g.0001.vdb:solid --solid-color"), (("--solid", "domain"), "--solid domain"):
+            done = self.run_tool("vdblic_film", "g.%04d.vdb", "-o", "globe.png", "--size", 96, 64, *options)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("--emit g.0001.vdb:rim", done.stderr)
+            self.assertIn(part, done.stderr)
+            self.assertNotIn("--color-by", done.stderr)
+
     def test_view_legend_and_frames(self):
         """What a user names is in the commands; the legend is there unless the film is plain."""
         text = self.film("flow.png", "--view", "top", "--frames", "2-4")

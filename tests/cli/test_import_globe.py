@@ -55,6 +55,14 @@ class Sphere(GlobeTest):
         self.assertEqual(vdb.read(str(path), "speed").metadata["unit"], "m/s")
         self.assertEqual(vdb.readMetadata(str(path))["length_unit"], "Mm")
 
+    def test_film(self):
+        """A film has the true speed in m/s."""
+        self.globe(wind(*whole(9.0)))
+        done = self.run_tool("vdblic_film", "v.%04d.vdb", "-o", "globe.png", "--size", 96, 64)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for part in "--carry speed", "--color-by speed", "--solid v.0001.vdb:solid", "--emit v.0001.vdb:rim":
+            self.assertIn(part, done.stderr)
+
     def test_said_aloud(self):
         earth_flows.write(self.folder / "f.nc", wind(*whole()))
         done = self.run_tool("vdblic_import", "f.nc", "-o", "v.%04d.vdb", "--globe")

@@ -7,6 +7,7 @@
 #include "vdblic/core/printable.h"
 #include "vdblic/field/domain.h"
 #include "vdblic/image/vector_text.h"
+#include "vdblic/io/frame_pattern.h"
 #include "vdblic/methods/memory_estimate.h"
 #include "vdblic/methods/streaks/streak_shape.h"
 #include "vdblic/methods/streaks/streaks.h"
@@ -111,6 +112,7 @@ class FilmPlanner {
         if (!isAll || !mParams.input.frames.empty()) mPlan.advect["frames"] = {frameListText(frames)};
         mParams.method == FilmMethod::kStreaks ? chooseStreaks() : chooseDense();
         choosePictures();
+        if (has("rim")) chooseGlobe();
         return std::move(mPlan);
     }
 
@@ -336,6 +338,29 @@ class FilmPlanner {
         render["film"] = {mParams.output};
         render["fps"] = {fmt::format("{}", mParams.picturesPerSecond())};
         if (mParams.orbit != 0) render["orbit"] = {fmt::format("{}", mParams.orbit)};
+    }
+
+    /// Use the grids of vdblic_import --globe and of the flow rossby: streaks begin within the rims of the shell, the
+    /// Earth is solid, and colour follows the true speed.
+    void chooseGlobe()
+    {
+        const std::string first = FramePattern(mInfo.pattern).path(mInfo.frames.front()).string();
+        if (mParams.method == FilmMethod::kStreaks) mPlan.advect["emit"] = {first + ":rim"};
+        if (has("speed")) {
+            mPlan.advect["carry"] = {"speed"};
+            mPlan.render["color_by"] = {"speed"};
+        }
+        if (mParams.solid.empty() && has("solid")) {
+            mPlan.render["solid"] = {first + ":solid"};
+            mPlan.render["solid_color"] = WordsOf<glm::dvec3>::write(mParams.solidColor);
+        }
+    }
+
+    [[nodiscard]] bool has(std::string_view name) const
+    {
+        return std::any_of(mInfo.grids.begin(), mInfo.grids.end(), [&](const GridInfo& grid) {
+            return grid.name == name && grid.files == mInfo.frames.size();
+        });
     }
 
     const FilmParams& mParams;
