@@ -218,6 +218,7 @@ class Film(ToolTest):
             self.assertIn("--emit g.0001.vdb:rim", done.stderr)
             self.assertIn(part, done.stderr)
             self.assertNotIn("--color-by", done.stderr)
+            self.assertNotIn("--opacity-by", done.stderr)  # Q is that of the shear in the shell
 
     def test_view_legend_and_frames(self):
         """What a user names is in the commands; the legend is there unless the film is plain."""

@@ -268,13 +268,13 @@ class FilmPlanner {
     }
 
     /// Whether opacity by Q shows more than opacity by speed: most of the flow is fast, so that the outside would hide
-    /// the inside, and there are vortices. In a flat domain Q follows the shear between its layers.
+    /// the inside, and there are vortices. In a flat domain or a shell Q follows the shear between its layers.
     [[nodiscard]] bool hidesVortices() const
     {
         constexpr double kMostlyFast = 0.7, kRotation = 0.01;
         const bool isFlat = mLayer >= 0 || mStretch != std::array<double, 3>{1, 1, 1};
         const MotionInfo& motion = *mVelocity.motion;
-        return !isFlat && motion.mean > kMostlyFast * motion.fasterHalf && motion.rotation > kRotation;
+        return !isFlat && !has("rim") && motion.mean > kMostlyFast * motion.fasterHalf && motion.rotation > kRotation;
     }
 
     [[nodiscard]] bool followsVortices() const
