@@ -65,6 +65,7 @@ VALUES = {
     "--opacity-range": ([], 0, 2),
     "--solid": ([], "domain"),
     "--solid-color": (["--solid", "domain"], 1, 0, 0),
+    "--earth": (["--solid", "domain"],),
     "--ground": ([], "below"),
     "--shadows": ([], 0.5),
     "--occlusion": ([], 0.5),

@@ -70,7 +70,7 @@ class Rossby(ToolTest):
     def test_grids(self):
         (globe,) = self.globes("1")
         path = str(self.folder / "v.1.vdb")
-        self.assertEqual([grid.name for grid in vdb.readAllGridMetadata(path)], ["rim", "solid", "velocity"])
+        self.assertEqual([grid.name for grid in vdb.readAllGridMetadata(path)], ["rim", "solid", "speed", "velocity"])
         self.assertEqual(globe.velocity.metadata["length_unit"], "Mm")
         self.assertAlmostEqual(globe.velocity.metadata["dt"], 72000 * self.VOXEL)
         self.assertEqual(globe.velocity.transform.indexToWorld((0, 0, 0)), (0, 0, 0))
@@ -85,6 +85,8 @@ class Rossby(ToolTest):
     def test_wind(self):
         """Horizontal; at rest at the poles, and on the equator up to twice a solid body's 50 m/s."""
         (globe,) = self.globes("1")
+        told = vdb.read(str(self.folder / "v.1.vdb"), "speed")
+        self.assertEqual(told.metadata["unit"], "m/s")
         x, y, z = globe.voxels.T
         radius = numpy.linalg.norm(globe.voxels, axis=1)
         outward = (globe.values * globe.voxels).sum(axis=1) / radius
@@ -97,6 +99,9 @@ class Rossby(ToolTest):
             x_axis = numpy.radians(longitude)
             eastward = globe.values[equator] @ (-numpy.sin(x_axis), numpy.cos(x_axis), 0)
             numpy.testing.assert_allclose(eastward, expected, rtol=1e-5, atol=1e-11)
+            most = 7.848e-6 * 6.371e6 * (1 - numpy.cos(4 * x_axis))  # the same at all radii
+            speed = [told.getConstAccessor().getValue(tuple(map(int, voxel))) for voxel in globe.voxels[equator]]
+            numpy.testing.assert_allclose(speed, most, rtol=1e-5, atol=1e-5)
 
     def test_the_pattern_turns_at_its_speed(self):
         """The angle about z by which the first frame matches a later one best."""

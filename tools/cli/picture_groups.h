@@ -20,7 +20,7 @@ inline std::vector<OptionGroup> pictureGroups(const std::vector<OptionGroup>& fu
           "color_scale", "opacity_scale", "modulate", "limb_darkening"}},
         {"Light", {"shading", "head_light", "light", "halo", "shadows", "occlusion", "depth_cue", "exposure"}},
         {"Cuts", {"clip_plane", "clip_box", "roi", "roi_box"}},
-        {"Solid", {"solid", "solid_color", "ground"}},
+        {"Solid", {"solid", "solid_color", "earth", "ground"}},
     };
     groups.insert(groups.begin() + 1, further.begin(), further.end());
     return groups;

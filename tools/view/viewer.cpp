@@ -287,14 +287,14 @@ std::shared_ptr<const Solid> Viewer::solidFor(const PicturePlan& plan, const Loa
 {
     if (plan.solid.empty()) return nullptr;
     const openvdb::FloatGrid::ConstPtr domain = frame.domain();
-    const std::string key = fmt::format("{}|{} {} {}|{}|{}", plan.solid, plan.stretch.x, plan.stretch.y, plan.stretch.z,
-                                        solidChanges(plan.solid) ? frame.file.frame : 0,
+    const std::string key = fmt::format("{}|{}|{} {} {}|{}|{}", plan.solid, plan.earth, plan.stretch.x, plan.stretch.y,
+                                        plan.stretch.z, solidChanges(plan.solid) ? frame.file.frame : 0,
                                         domain->voxelSize()[0]); // of a coarser copy another one
     {
         const std::lock_guard lock(mMutex);
         if (mSolid.first == key) return mSolid.second;
     }
-    auto made = std::make_shared<const Solid>(makeSolid(plan.solid, *domain, plan.stretch, frame.file.frame));
+    auto made = shownSolid(plan, *domain, frame.file.frame);
     const std::lock_guard lock(mMutex);
     mSolid = {key, made};
     return made;

@@ -5,16 +5,20 @@
 #include <openvdb/openvdb.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace vdblic {
+
+class EarthMap;
 
 /// An opaque body: a level set on a lattice of unit voxels, so that any affine transform can place it. Immutable; any
 /// number of threads may read.
 struct Solid {
     openvdb::FloatGrid::Ptr levelSet; ///< with the identity as transform; distances in its voxels; below 0 inside
     glm::dmat4 worldToIndex{1};       ///< from the world of the picture, stretched, to its index space
+    std::shared_ptr<const EarthMap> earth{}; ///< colours its surface; null: one colour
 };
 
 /// The largest share of inactive voxels in a texture's box that counts as a body or a ground; around clouds it is

@@ -2,6 +2,7 @@
 
 #include "vdblic/camera/camera.h"
 #include "vdblic/cast/depth_cue.h"
+#include "vdblic/cast/earth_map.h"
 #include "vdblic/cast/ground.h"
 #include "vdblic/cast/light_grid.h"
 #include "vdblic/cast/pixel_rays.h"
@@ -80,16 +81,19 @@ SurfacePicture castSolid(const Solid& solid, const glm::vec3& color, const Place
                     const glm::dvec3 normal =
                         glm::normalize(glm::transpose(linear) * glm::dvec3(gradient[0], gradient[1], gradient[2]));
                     const auto i = std::size_t(y) * std::size_t(size.x) + std::size_t(x);
+                    const glm::dvec3 place = origin + direction * depth;
                     double lit = diffuseLight(look.shading, normal, glm::normalize(direction));
                     if (light) { // of the cell in front of the solid
-                        const glm::dvec3 at(box.worldToIndex() * glm::dvec4(origin + direction * depth, 1));
+                        const glm::dvec3 at(box.worldToIndex() * glm::dvec4(place, 1));
                         const glm::dvec3 outward = glm::normalize(glm::dmat3(box.worldToIndex()) * normal);
                         lit *= double(light->at(at + outward * double(light->cell())));
                     }
                     lit += ambientLight(normal, towardsLight);
                     picture.depths[i] = float(depth);
+                    const glm::vec3 own =
+                        solid.earth ? solid.earth->colored(shown, place, camera.pixelSize(place)) : shown;
                     const glm::vec3 seen =
-                        glm::mix(shown * float(lit), background[std::size_t(y)], cue.share(float(depth)));
+                        glm::mix(own * float(lit), background[std::size_t(y)], cue.share(float(depth)));
                     picture.colors[i] = glm::vec4(seen, 1);
                     picture.normals[i] = glm::vec3(normal);
                 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
+#include <openvdb/tools/ValueTransformer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -128,6 +129,25 @@ Globe makeGlobe(double voxelSize)
     globe.solid->setTransform(transform);
     globe.solid->setName("solid");
     return globe;
+}
+
+openvdb::FloatGrid::Ptr speedOnEarth(const openvdb::Vec3SGrid& velocity)
+{
+    constexpr double kMetres = 1e6;
+    auto grid = openvdb::FloatGrid::create(
+        std::make_shared<openvdb::FloatTree>(velocity.tree(), 0.0F, openvdb::TopologyCopy()));
+    openvdb::tools::foreach (
+        grid->beginValueOn(),
+        [&velocity, accessor = velocity.getConstUnsafeAccessor()](const openvdb::FloatGrid::ValueOnIter& value) {
+            const double radius = velocity.indexToWorld(value.getCoord()).length();
+            const double speed = Vec3d(accessor.getValue(value.getCoord())).length();
+            value.setValue(float(radius > 0 ? speed * kEarthRadius / radius * kMetres : 0));
+        },
+        /*threaded=*/true, /*shareOp=*/false);
+    grid->setName("speed");
+    grid->setTransform(velocity.transform().copy());
+    grid->insertMeta("unit", openvdb::StringMetadata("m/s"));
+    return grid;
 }
 
 } // namespace vdblic

@@ -43,7 +43,7 @@ void checkPlace(const AnalyticFlow& flow, const std::optional<BoxSize>& size, do
 /// Bytes of all grids, in memory and in the file.
 double bytesOf(const AnalyticFlow& flow, const std::optional<BoxSize>& size, double voxelSize)
 {
-    constexpr double kInBox = 26, kOnGlobe = 56; // a voxel
+    constexpr double kInBox = 26, kOnGlobe = 64; // a voxel
     if (flow.isOnGlobe) return kOnGlobe * voxelsOfGlobe(voxelSize);
     return kInBox * (*size)[0] * (*size)[1] * (*size)[2];
 }
@@ -130,7 +130,10 @@ double SynthFlow::dt(const AnalyticFlow& flow, double voxelSize)
 openvdb::GridPtrVec SynthFlow::at(double time) const
 {
     openvdb::GridPtrVec grids{sampleFlow(mFlow, *mDomain, *mTransform, time)};
-    if (!mFixed.empty()) grids.front()->insertMeta("length_unit", openvdb::StringMetadata("Mm"));
+    if (!mFixed.empty()) {
+        grids.push_back(speedOnEarth(*openvdb::gridPtrCast<openvdb::Vec3SGrid>(grids.front())));
+        grids.front()->insertMeta("length_unit", openvdb::StringMetadata("Mm"));
+    }
     grids.insert(grids.end(), mFixed.begin(), mFixed.end());
     return grids;
 }

@@ -48,7 +48,8 @@ class SynthFlow {
     /// The default of the seconds from one frame number to the next: the flow moves by about 3 voxels.
     [[nodiscard]] static double dt(const AnalyticFlow& flow, double voxelSize);
 
-    /// The grid of sampleFlow(), on a globe with the metadata `length_unit`, and behind it those of Globe.
+    /// The grid of sampleFlow(); on a globe with the metadata `length_unit`, and behind it speedOnEarth() and the grids
+    /// of Globe.
     [[nodiscard]] openvdb::GridPtrVec at(double time) const;
 
   private:

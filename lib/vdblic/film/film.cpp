@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/paging.h"
 #include "vdblic/core/threads.h"
+#include "vdblic/film/film_import.h"
 #include "vdblic/film/film_plan.h"
 #include "vdblic/image/film_writer.h"
 #include "vdblic/image/vector_text.h"
@@ -144,10 +145,9 @@ Params withGiven(Params params, const Given& given)
 }
 
 /// Check, before any work, that the output can be written.
-void checkFilm(const FilmParams& params, const std::vector<FrameFile>& files)
+void checkFilm(const FilmParams& params)
 {
-    for (const FrameFile& file : files)
-        checkNotInput(params.output, file.path);
+    checkNotInput(params.output, params.input.pattern);
     checkOutput(params.output);
     constexpr glm::ivec2 kSmall{2, 2};
     if (!params.isStill()) FilmWriter(params.output, kSmall, params.picturesPerSecond()); // there is ffmpeg
@@ -171,17 +171,13 @@ void makePictures(const FilmParams& params, const FilmPlan& plan, const std::str
     renderSequence(pictures, none, reporter);
 }
 
-constexpr int kMostSide = 32768;
-
-} // namespace
-
-void makeFilm(const FilmParams& params, Reporter& reporter)
+/// Make a film of a sequence on disk. @param imported the sequence, or null if it is the user's
+void makeFrom(const FilmParams& params, const ImportedVelocity* imported, Reporter& reporter)
 {
-    params.validate();
     const std::vector<FrameFile> files = selectFrames(params.input);
-    checkFilm(params, files);
+    for (const FrameFile& file : files)
+        checkNotInput(params.output, file.path);
     const fs::path output(params.output);
-    const OutputLock claim(output.parent_path() / fmt::format(".{}.lock", output.filename().string()), output);
     SequenceInfoParams inspection;
     inspection.flow.input = params.input;
     inspection.values = true;
@@ -189,10 +185,11 @@ void makeFilm(const FilmParams& params, Reporter& reporter)
     for (const std::string& note : plan.notes)
         reporter.say(note);
     const std::string beside = (output.parent_path() / output.stem()).string() + ".texture.%04d.vdb";
-    reporter.say("the same in two commands:");
+    reporter.say(fmt::format("the same in {} commands:", imported ? "three" : "two"));
+    if (imported) reporter.say("  " + imported->command());
     std::string madeFrom;
     for (const std::string& command : commandsOf(plan, beside)) {
-        reporter.say("  " + command);
+        reporter.say("  " + (imported ? imported->asTyped(command) : command));
         if (madeFrom.empty()) madeFrom = command + '\n'; // the pictures' options do not change textures
     }
     for (const FrameFile& file : files)
@@ -217,11 +214,29 @@ void makeFilm(const FilmParams& params, Reporter& reporter)
     folder.remove();
 }
 
+constexpr int kMostSide = 32768;
+
+} // namespace
+
+void makeFilm(const FilmParams& params, Reporter& reporter)
+{
+    params.validate();
+    checkFilm(params);
+    const fs::path output(params.output);
+    const OutputLock claim(output.parent_path() / fmt::format(".{}.lock", output.filename().string()), output);
+    if (!needsImport(params)) return makeFrom(params, nullptr, reporter);
+    const ImportedVelocity velocity(params, reporter);
+    FilmParams imported = params;
+    imported.input.pattern = velocity.pattern();
+    makeFrom(imported, &velocity, reporter);
+    velocity.remove();
+}
+
 Parameters parametersOf(FilmParams& params)
 {
     const Parameters sequence = parametersOf(params.input, "VELOCITY",
                                              "Velocity sequence: one file, or a pattern (name.%04d.vdb, also ####, "
-                                             "@@@@, $F4, <F4>).");
+                                             "@@@@, $F4, <F4>); or what vdblic_import reads.");
     Parameter look = parameter("look", "Look of the pictures; by default streaks, of dense textures flow.", params.look,
                                {.words = "NAME"});
     look.choices = lookPresetNames();
@@ -229,6 +244,8 @@ Parameters parametersOf(FilmParams& params)
         *find(sequence, "input"),
         parameter("output", "Film, .mp4, or still of the middle frame, .png.", params.output,
                   {.option = "-o,--output", .isRequired = true}),
+        parameter("globe", "Place a file of longitude and latitude on a globe, as vdblic_import --globe does.",
+                  params.globe),
         *find(sequence, "frames"),
         parameter("seconds", "Length of the film; by default what suits the flow, 5 to 10.", params.seconds,
                   {.unit = "s", .limits = {0.1, 3600}}),
@@ -278,6 +295,8 @@ void FilmParams::validate() const
     checkExtension(output, {".mp4", ".png"});
     if (input.pattern == "-")
         throw ParameterError("paths on standard input cannot be planned; name a file or a pattern");
+    if (globe && !needsImport(*this))
+        throw ParameterError("`globe` is of files for vdblic_import, and a .vdb lies where it is: leave it out");
     if (!look.empty()) (void)lookPreset(look);
     if (isStill() && (seconds || fps || orbit != 0))
         throw ParameterError("`seconds`, `fps` and `orbit` are of films, and a .png is a still: leave them out");

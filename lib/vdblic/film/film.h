@@ -24,6 +24,7 @@ inline constexpr auto kNames<FilmMethod> = std::to_array<std::string_view>({"str
 /// The parameters of a film or a still of a velocity sequence. planFilm() chooses all others from the data.
 struct FilmParams {
     SequenceParams input;
+    bool globe = false;              ///< place longitude and latitude on a globe; of inputs for vdblic_import
     std::string output;              ///< .mp4 film, or .png still of the middle frame
     std::optional<double> seconds{}; ///< length of the film; unset: 5 to 10, by the flow
     std::optional<double> fps{};     ///< pictures a second; unset: 24, in a preview 12
@@ -45,7 +46,8 @@ struct FilmParams {
 };
 [[nodiscard]] Parameters parametersOf(FilmParams& params);
 
-/// Make a film or a still from a velocity sequence: plan, compute the textures, render them.
+/// Make a film or a still from a velocity sequence: plan, compute the textures, render them. An input in a format of
+/// other programs goes through vdblic_import first; its velocity waits in the folder OUTPUT.velocity.
 ///
 /// Textures wait in the folder OUTPUT.textures until the output is complete; then the folder is removed. After an
 /// interruption the same call reuses the finished ones and writes the same output. Textures of other parameters, or of

@@ -35,7 +35,9 @@ constexpr double kLeastSeconds = 5, kMostSeconds = 10;
 constexpr double kLeastMoves = 4; // voxels a frame, for a flow that moves too little or too far
 
 /// The pixels that a voxel's two longer edges span on average, in the middle of the first picture.
-double pixelsPerVoxel(const GridInfo& grid, const glm::dvec3& stretch, const glm::ivec2& size, ViewSide view)
+/// @param isGlobe whether the camera shows a ball, rather than a box
+double pixelsPerVoxel(const GridInfo& grid, const glm::dvec3& stretch, const glm::ivec2& size, ViewSide view,
+                      bool isGlobe)
 {
     const auto toWorld = [&](const openvdb::Vec3d& index) {
         const openvdb::Vec3d world = grid.transform->indexToWorld(index);
@@ -45,7 +47,11 @@ double pixelsPerVoxel(const GridInfo& grid, const glm::dvec3& stretch, const glm
     Corners corners;
     for (std::size_t i = 0; i < corners.size(); ++i)
         corners[i] = toWorld({(i & 1 ? high : low)[0], (i & 2 ? high : low)[1], (i & 4 ? high : low)[2]});
-    const Camera camera({.view = view}, corners, size);
+    std::vector<glm::dvec3> ball; // points around it
+    for (const glm::dvec3& corner : corners) {
+        if (isGlobe) ball.push_back(glm::mix(middleOf(corners), corner, 1 / std::sqrt(3.0)));
+    }
+    const Camera camera({.view = view}, corners, size, ball);
     const auto pixel = [&](const openvdb::Vec3d& index) {
         const glm::dvec4 at = camera.worldToNdc() * glm::dvec4(toWorld(index), 1);
         return glm::dvec2(at) / at.w * glm::dvec2(size);
@@ -94,7 +100,8 @@ class FilmPlanner {
     FilmPlanner(const FilmParams& params, const SequenceInfo& info)
         : mParams(params), mInfo(info), mVelocity(*info.velocity), mGrid(*velocityGridOf(info)),
           mStretch(stretchOf(mGrid).value_or(std::array<double, 3>{1, 1, 1})),
-          mPixels(pixelsPerVoxel(mGrid, {mStretch[0], mStretch[1], mStretch[2]}, params.pictureSize(), params.view)),
+          mPixels(pixelsPerVoxel(mGrid, {mStretch[0], mStretch[1], mStretch[2]}, params.pictureSize(), params.view,
+                                 has("rim"))),
           mLayer(layerAxis(mGrid.box))
     {
     }
@@ -221,11 +228,11 @@ class FilmPlanner {
     void chooseStreaks()
     {
         // Pixels, of a picture that is no preview. Of streaks in vortices alone few are seen.
-        constexpr double kSpacing = 24, kInVortices = 14, kVoxel = 2;
+        constexpr double kSpacing = 24, kInVortices = 14, kOnGlobe = 18, kVoxel = 2;
         const double factor = mParams.preview ? 0.5 : 1, tail = 6;
         const double least = mVelocity.streaks ? double(mVelocity.streaks->spacing[0]) : 1;
-        const double spacing =
-            std::clamp((followsVortices() ? kInVortices : kSpacing) * factor / mPixels, least, 2 * least);
+        const double pixels = followsVortices() ? kInVortices : has("rim") ? kOnGlobe : kSpacing;
+        const double spacing = std::clamp(pixels * factor / mPixels, least, 2 * least);
         StreakParams streaks;
         streaks.spacing.emplace();
         streaks.spacing->fill(std::stof(shortNumber(spacing)));
@@ -353,6 +360,7 @@ class FilmPlanner {
         if (mParams.solid.empty() && has("solid")) {
             mPlan.render["solid"] = {first + ":solid"};
             mPlan.render["solid_color"] = WordsOf<glm::dvec3>::write(mParams.solidColor);
+            mPlan.render["earth"] = {"true"};
         }
     }
 

@@ -101,7 +101,7 @@ std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& loaded,
             const double box = voxelsOf(domain->evalActiveVoxelBoundingBox());
             frame.leftOut = box > 0 ? 1 - double(domain->activeVoxelCount()) / box : 0;
         }
-        return std::make_shared<const Solid>(makeSolid(plan.solid, *domain, plan.stretch, frame.file.frame));
+        return shownSolid(plan, *domain, frame.file.frame);
     };
     if (solidChanges(plan.solid)) return make();
     std::call_once(mSolidMade, [&] { mSolid = make(); });

@@ -92,6 +92,10 @@ Parameters parametersOf(PictureParams& params)
                   params.solid, {.words = "FILE[:GRID] or domain"}),
         parameter("solid_color", "Colour of the solid as displayed.", params.solidColor,
                   {.words = "R G B", .limits = {0, 1}}),
+        parameter("earth",
+                  "Draw continents and a graticule of 15 degrees on the solid, as those of a globe around the world's "
+                  "origin: z leads to the north pole, x to 0 degrees east.",
+                  params.earth),
         parameter("ground",
                   "Plane below the domain, or along one of its walls, that takes the shadows of volume and solid and "
                   "fades into the background; seen from the domain's side alone.",

@@ -32,6 +32,7 @@ struct PictureSettings {
     std::optional<std::array<double, 6>> regionBox{};
     std::string solid;                      ///< opaque body, as makeSolid() reads it (cast/solid.h); empty: none
     glm::dvec3 solidColor{0.7, 0.72, 0.75}; ///< as displayed
+    bool earth = false;                     ///< whether the solid is the Earth, as EarthMap draws it
     GroundSide ground = GroundSide::kNone;  ///< where a plane takes the shadows of volume and solid
     /// Factors on the axes of world space for everything shown, such as 1 1 20 for weather. Camera and lights are in
     /// the stretched space, cuts and region in the grids' own.

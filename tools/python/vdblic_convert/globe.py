@@ -171,8 +171,7 @@ class Globe:
     def grids(self, source, step, names, carry, where):
         """The arrays of a step by grid name, each with its mask (x, y, z) and metadata; the box; and what to tell."""
         radius, longitude, latitude = self._places()
-        is_body = radius < self._bottom
-        flows, extent = numpy.flatnonzero(~is_body), self._extent
+        flows, extent = numpy.flatnonzero(radius >= self._bottom), self._extent
         height = (radius - R) / self.exaggeration * UNIT
         query = numpy.full(len(height), extent.low) if extent.low == extent.high else height
         at = numpy.stack([longitude, latitude, query * self._degrees], axis=1)[flows]
@@ -193,7 +192,7 @@ class Globe:
             grids[name] = self._spread(values.astype(numpy.float32), there), active, {"unit": unit}
         for name, values in carried.items():
             grids[name] = self._spread(values[mask] if values.shape[3] > 1 else values[mask][:, 0], there), active, {}
-        solid = is_body
+        solid = radius < self._low  # hides the lower margin
         if not extent.curved:  # there is no telling land from what lies beyond a turned grid
             solid[flows] |= ~known & (radius[flows] <= self._high)
         is_solid = numpy.asarray(self._spread(solid, slice(None)))
