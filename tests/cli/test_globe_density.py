@@ -5,9 +5,10 @@ import unittest
 
 import numpy
 
-import python_module  # for its path
-import vdblic
+import python_module  # finds vdblic
 from support import ToolTest
+
+import vdblic
 
 VOXEL, LAYERS = 0.15, 5  # of the flow `rossby`
 
