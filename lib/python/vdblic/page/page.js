@@ -27,7 +27,7 @@ function wholeView() {
         return [0.005, 0.995].map((share) => scene.low[axis] + (at(share) / 8191) * scene.side[axis]);
     });
     const target = ends.map(([low, high]) => (low + high) / 2),
-        camera = { eye: target.map((c, i) => c + [-0.45, -0.95, 0.5][i]), target, up: [0, 0, 1], fov: 40 };
+        camera = { eye: target.map((c, i) => c + [0.45, -0.95, 0.5][i]), target, up: [0, 0, 1], fov: 40 };
     const { right, up, forward } = axes(camera),
         tan = Math.tan((camera.fov * Math.PI) / 360),
         aspect = canvas.clientWidth / canvas.clientHeight;
@@ -43,7 +43,7 @@ function wholeView() {
 const q = flow.scalars.findIndex((scale) => scale.name === "q"),
     speed = Math.max(0, flow.scalars.findIndex((scale) => scale.name === "magnitude"));
 const state = {
-    frame: flow.frames[0], speed: 8, loop: true, camera: null, colorBy: speed, map: "ember", range: null,
+    frame: flow.frames[0], speed: 8, loop: true, camera: null, colorBy: speed, map: null, range: null,
     part: 0, shownBy: q < 0 ? speed : q, least: q < 0 ? 0 : storedOf(flow.scalars[q], flow.scalars[q].shown[1]),
     clip: "none", cut: 1, box: true, dark: true,
 };
@@ -53,6 +53,7 @@ try {
     // an address of something else
 }
 let scene, wanted;
+const mapNow = () => state.map ?? (state.dark ? "ember" : "turbo");
 
 const kFew = 16; // lines, of which one is drawn to see how fast the machine is
 const kPatience = 500; // milliseconds for a picture
@@ -71,7 +72,7 @@ function drawn() {
     document.documentElement.classList.toggle("dark", state.dark);
     const ground = channels(state.dark ? "#0a0d12" : "#f4f5f7").map((c) => c / 255);
     const least = state.least > 0 ? state.least : -1;
-    return { ...state, scale, range, ends: range.map((v) => storedOf(scale, v)), least, clip, ground };
+    return { ...state, map: mapNow(), scale, range, ends: range.map((v) => storedOf(scale, v)), least, clip, ground };
 }
 
 function render() {
@@ -93,7 +94,7 @@ function showLegend(scale, range) {
     byId("legend-name").textContent = (scale.name === "magnitude" ? "speed" : scale.name) + (scale.unit && ` [${scale.unit}]`);
     [...byId("legend-ends").children].forEach((end, i) => (end.textContent = short(range[i])));
     const context = byId("bar").getContext("2d"),
-        colors = flow.maps[state.map];
+        colors = flow.maps[mapNow()];
     colors.forEach((color, i) => {
         context.fillStyle = color;
         context.fillRect(i * 8, 0, 8, 1);
@@ -117,9 +118,9 @@ function changed() {
 }
 
 function settings() {
-    const choice = (id, values, names = values) =>
+    const choice = (id, values, names = values, now = state[id]) =>
         make("select", { id, change: (e) => set(id, values[e.target.selectedIndex]) },
-            ...values.map((value, i) => make("option", { selected: value === state[id] }, names[i])));
+            ...values.map((value, i) => make("option", { selected: value === now }, names[i])));
     const set = (id, value) => {
         state[id] = value;
         if (id === "colorBy") state.range = null;
@@ -145,7 +146,7 @@ function settings() {
     const focused = document.activeElement?.id;
     byId("settings").replaceChildren(
         makeRow("Colour", "colorBy", choice("colorBy", numbers, names)),
-        makeRow("Colours", "map", choice("map", Object.keys(flow.maps))),
+        makeRow("Colours", "map", choice("map", Object.keys(flow.maps), undefined, mapNow())),
         makeRow("Range", "end0", end(0), end(1)),
         makeRow("Show by", "shownBy", choice("shownBy", numbers, names)),
         makeRow("From", "least", slider("least", 0, 1, 0.002), least),
@@ -182,10 +183,7 @@ async function begin() {
         state.part = [1, 2, 4, 8].find((part) => few + more * (kFew / part - 1) <= kPatience) ?? kFew;
     }
     byId("message").textContent = "";
-    const last = flow.frames.at(-1),
-        unit = flow.length_unit ?? "";
-    byId("caption").textContent = `${flow.lines} lines that follow the flow, from frame ${flow.frames[0]} to ${last}: ` +
-        `each moves with its bright end ahead. The box is ${flow.high.map((c, i) => short(c - flow.low[i])).join(" × ")}${unit && ` ${unit}`}.`;
+    const last = flow.frames.at(-1);
     Object.assign(byId("moment"), { min: flow.frames[0], max: last });
     const clock = new Clock(flow.frames, state, changed);
     byId("moment").addEventListener("input", (event) => {
@@ -209,4 +207,7 @@ async function begin() {
     render();
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches) clock.toggle(true);
 }
-begin().catch((error) => (byId("message").textContent = error.message));
+begin().catch((error) => {
+    byId("message").textContent = error.message;
+    document.documentElement.classList.add("still");
+});
