@@ -250,7 +250,7 @@ class Pages(ToolTest):
         self.assertEqual(unnamed, [])
 
     def test_a_lost_context(self):
-        self.open(self.export())
+        self.open(self.export(), {"part": 1})
         before = self.lit()
         self.browser.execute_script("""
             const lost = document.getElementById("picture").getContext("webgl2").getExtension("WEBGL_lose_context");

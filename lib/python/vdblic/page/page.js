@@ -88,6 +88,7 @@ function dateText() {
     const seconds = (flow.time ?? 0) + (state.frame - flow.frames[0]) * (flow.dt ?? 0),
         start = Date.parse(flow.start);
     if (Number.isFinite(start)) return new Date(start + 1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
+    if (flow.dt && Math.abs(seconds) >= 36000) return `${(seconds / 3600).toFixed(1)} h`;
     return flow.dt ? `${seconds.toPrecision(3)} s` : `frame ${state.frame.toFixed(1)}`;
 }
 function showLegend(scale, range) {
@@ -171,18 +172,23 @@ function keepPng() {
     });
 }
 
+/// Choose as many lines as the machine draws in time.
+async function choosePart() {
+    const timeOf = (part) => scene.timeOf({ ...drawn(), part }),
+        few = await timeOf(kFew),
+        more = Math.max((await timeOf(kFew / 2)) - few, 0); // for as many lines again
+    if (state.part !== kFew) return; // somebody chose
+    state.part = [1, 2, 4, 8].find((part) => few + more * (kFew / part - 1) <= kPatience) ?? kFew;
+    settings();
+    changed();
+}
+
 async function begin() {
     scene = new Scene(canvas, flow, await unpacked(flow, byId("data").textContent));
     byId("data").remove();
     state.camera ??= wholeView();
-    if (!state.part) {
-        const timeOf = (part) => scene.timeOf({ ...drawn(), part });
-        await timeOf(kFew); // compiles the shaders
-        const few = await timeOf(kFew),
-            more = Math.max((await timeOf(kFew / 2)) - few, 0); // for as many lines again
-        state.part = [1, 2, 4, 8].find((part) => few + more * (kFew / part - 1) <= kPatience) ?? kFew;
-    }
-    byId("message").textContent = "";
+    const isAsked = state.part > 0;
+    if (!isAsked) state.part = kFew;
     const last = flow.frames.at(-1);
     Object.assign(byId("moment"), { min: flow.frames[0], max: last });
     const clock = new Clock(flow.frames, state, changed);
@@ -204,7 +210,10 @@ async function begin() {
     canvas.addEventListener("webglcontextrestored", () => { scene.mapTexture = null; scene.begin(); changed(); });
     new ResizeObserver(changed).observe(canvas);
     settings();
+    await scene.timeOf(drawn()); // compiles the shaders
     render();
+    byId("message").textContent = "";
+    if (!isAsked) await choosePart();
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches) clock.toggle(true);
 }
 begin().catch((error) => {
