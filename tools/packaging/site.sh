@@ -15,8 +15,8 @@ sources=$(mktemp -d)
 trap 'rm -rf "$sources"' EXIT
 /usr/bin/python3 tools/packaging/site.py gather "$sources"
 mkdir -p "$sources/pages/flows" "$sources/velocity"
-"$tools/vdblic_synth" tornado -q -o "$sources/velocity/tornado.%04d.vdb" --size 72 72 48 --frames 1-24
-"$tools/vdblic_synth" rossby -q -o "$sources/velocity/rossby.%04d.vdb" --frames 1-24
+"$tools/vdblic_synth" tornado -q -o "$sources/velocity/tornado.%04d.vdb" --size 72 72 48 --frames 1-24 >/dev/null
+"$tools/vdblic_synth" rossby -q -o "$sources/velocity/rossby.%04d.vdb" --frames 1-24 >/dev/null
 cp samples/wake/wake.*.vdb "$sources/velocity"
 for flow in wake tornado rossby; do
     "$tools/vdblic_film" "$sources/velocity/$flow.%04d.vdb" -q -o "$sources/pages/flows/$flow.html"

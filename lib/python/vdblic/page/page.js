@@ -40,8 +40,10 @@ function wholeView() {
     return { ...camera, eye: target.map((c, i) => c - forward[i] * (distance || 1)) };
 }
 
-const q = flow.scalars.findIndex((scale) => scale.name === "q"),
-    speed = Math.max(0, flow.scalars.findIndex((scale) => scale.name === "magnitude"));
+const numberOf = (name) => flow.scalars.findIndex((scale) => scale.name === name);
+const q = numberOf("q"),
+    speed = Math.max(0, numberOf(numberOf("speed") < 0 ? "magnitude" : "speed"));
+const nameOf = (scale) => (scale.name === "magnitude" && numberOf("speed") < 0 ? "speed" : scale.name);
 const state = {
     frame: flow.frames[0], speed: 8, loop: true, camera: null, colorBy: speed, map: null, range: null,
     part: 0, shownBy: q < 0 ? speed : q, least: q < 0 ? 0 : storedOf(flow.scalars[q], flow.scalars[q].shown[1]),
@@ -92,7 +94,7 @@ function dateText() {
     return flow.dt ? `${seconds.toPrecision(3)} s` : `frame ${state.frame.toFixed(1)}`;
 }
 function showLegend(scale, range) {
-    byId("legend-name").textContent = (scale.name === "magnitude" ? "speed" : scale.name) + (scale.unit && ` [${scale.unit}]`);
+    byId("legend-name").textContent = nameOf(scale) + (scale.unit && ` [${scale.unit}]`);
     [...byId("legend-ends").children].forEach((end, i) => (end.textContent = short(range[i])));
     const context = byId("bar").getContext("2d"),
         colors = flow.maps[mapNow()];
@@ -138,7 +140,7 @@ function settings() {
         least = make("output", { for: "least" });
     const words = () => (least.value = state.least > 0 ? `≥ ${short(valueOf(shown, state.least))} ${shown.unit}` : "all");
     words();
-    const names = flow.scalars.map((s) => (s.name === "magnitude" ? "speed" : s.name)),
+    const names = flow.scalars.map(nameOf),
         numbers = names.map((_, i) => i);
     const end = (i) => make("input", { id: `end${i}`, type: "number", step: "any", "aria-label": ["Least", "Most"][i],
         value: short((state.range ?? [scale.shown[0], scale.shown[2]])[i]),
