@@ -28,6 +28,7 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from vdblic._core import read_lines
+from vdblic.surfaces import thinned
 
 FRAMES = range(1, 5)
 
@@ -326,6 +327,22 @@ class Pages(ToolTest):
             hidden.append(self.raw_of("shot.png").reshape(*solid.shape, 3).astype(int))
         colourful = [(image.max(axis=2) - image.min(axis=2) > 40).sum() for image in hidden]
         self.assertLess(colourful[0], 0.95 * colourful[1])
+
+    def test_a_fine_surface_is_thinned(self):
+        """A closed surface keeps its volume, though it is flat."""
+        turns, heights = numpy.meshgrid(numpy.linspace(0, 2 * numpy.pi, 600), numpy.linspace(0, numpy.pi, 300))
+        ball = numpy.stack([numpy.sin(heights) * numpy.cos(turns), numpy.sin(heights) * numpy.sin(turns), numpy.cos(heights)], axis=-1)
+        number = numpy.arange(turns.size).reshape(turns.shape)
+        a, b, c, d = (cut.ravel() for cut in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+        triangles = numpy.concatenate([numpy.stack([a, b, c], axis=1), numpy.stack([a, c, d], axis=1)])
+        for sides in (1, 1, 1), (100, 100, 0.1):
+            points, fewer = thinned(ball.reshape(-1, 3) * sides, triangles)
+            self.assertLess(len(points), 65536)
+            self.assertLess(len(fewer), 60001)
+            self.assertGreater(len(fewer), 10000)
+            p, q, r = (points[fewer[:, i]] for i in range(3))
+            volume = (p * numpy.cross(q, r)).sum() / 6
+            self.assertAlmostEqual(volume / (4 / 3 * numpy.pi * numpy.prod(sides)), 1, delta=0.03)
 
     def test_refused_solids(self):
         for status, words, says in ((2, ("-o", "a.usda", "--solid", "domain"), "--solid is of a page"),

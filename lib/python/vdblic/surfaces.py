@@ -15,8 +15,8 @@ def thinned(points: numpy.ndarray, triangles: numpy.ndarray) -> tuple[numpy.ndar
     """
     cells, made = 256.0, (points, triangles)
     while len(made[0]) > _POINTS or len(made[1]) > _MOST:
-        low, side = points.min(axis=0), (points.max(axis=0) - points.min(axis=0)).max()
-        cell = ((points - low) / (side or 1) * cells).astype(numpy.int64)
+        low, sides = points.min(axis=0), numpy.ptp(points, axis=0)  # each by itself: terrain is flat
+        cell = ((points - low) / numpy.where(sides > 0, sides, 1) * cells).astype(numpy.int64)
         _, of, counts = numpy.unique(cell @ [1 << 40, 1 << 20, 1], return_inverse=True, return_counts=True)
         means = numpy.stack([numpy.bincount(of, points[:, axis]) / counts for axis in range(3)], axis=1)
         corners = of[triangles]

@@ -1,12 +1,11 @@
 // The page: its state, settings, legend and address.
 
-import { axes, unitsPerPixel } from "./camera.js";
+import { panned, project, unitsPerPixel, zoomed } from "./camera.js";
 import { Clock } from "./clock.js";
 import { unpacked } from "./data.js";
 import { channels, make, makeRow, short } from "./elements.js";
 import { listenToHand } from "./hand.js";
 import { Scene } from "./scene.js";
-import { dot } from "./vector.js";
 
 const byId = (id) => document.getElementById(id);
 const flow = JSON.parse(byId("flow").textContent),
@@ -26,18 +25,20 @@ function wholeView() {
         const at = (share) => places[Math.floor(share * (places.length - 1))] ?? 8191 * share;
         return [0.005, 0.995].map((share) => scene.low[axis] + (at(share) / 8191) * scene.side[axis]);
     });
-    const target = ends.map(([low, high]) => (low + high) / 2),
-        camera = { eye: target.map((c, i) => c + [0.45, -0.95, 0.5][i]), target, up: [0, 0, 1], fov: 40 };
-    const { right, up, forward } = axes(camera),
-        tan = Math.tan((camera.fov * Math.PI) / 360),
-        aspect = canvas.clientWidth / canvas.clientHeight;
-    let distance = 0;
-    for (let corner = 0; corner < 8; ++corner) {
-        const from = ends.map((end, i) => end[(corner >> i) & 1] - target[i]);
-        const [x, y, z] = [right, up, forward].map((axis) => dot(axis, from));
-        distance = Math.max(distance, Math.abs(x) / (0.9 * tan * aspect) - z, Math.abs(y) / (0.75 * tan) - z);
+    const sides = ends.map(([low, high]) => high - low || 1),
+        target = ends.map(([low, high]) => (low + high) / 2),
+        corners = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => ends.map((end, i) => end[(corner >> i) & 1])),
+        isFlat = sides[2] < 0.3 * Math.max(sides[0], sides[1]),
+        from = isFlat ? [0.2, -0.7, 0.7] : [0.45, -0.95, 0.5],
+        [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    let camera = { eye: target.map((c, i) => c + 3 * Math.hypot(...sides) * from[i]), target, up: [0, 0, 1], fov: 40 };
+    for (let step = 0; step < 5; ++step) {
+        const seen = corners.map((corner) => project(camera, corner, width, height)),
+            [x, y] = [0, 1].map((i) => [Math.min(...seen.map((at) => at[i])), Math.max(...seen.map((at) => at[i]))]);
+        camera = panned(camera, width / 2 - (x[0] + x[1]) / 2, 0.47 * height - (y[0] + y[1]) / 2, height);
+        camera = zoomed(camera, Math.max((x[1] - x[0]) / (0.92 * width), (y[1] - y[0]) / (0.75 * height)));
     }
-    return { ...camera, eye: target.map((c, i) => c - forward[i] * (distance || 1)) };
+    return camera;
 }
 
 const numberOf = (name) => flow.scalars.findIndex((scale) => scale.name === name);
