@@ -26,4 +26,9 @@ void bindLevels(pybind11::module_& module);
 /// and `scalars` by name. `colors_of(name, positions)` looks positions on a colour map up, in linear light.
 void bindLines(pybind11::module_& module);
 
+/// Add `solid_mesh(source, lines, frame)`: the surface of a solid as vdblic_render has it, of a frame's file of lines.
+///
+/// Points (n, 3) in world space, triangles (m, 3) of their numbers, and whether each frame has a solid of its own.
+void bindSolids(pybind11::module_& module);
+
 } // namespace vdblic::python

@@ -301,6 +301,7 @@ PYBIND11_MODULE(_core, module)
     bindGridHeaders(module);
     bindLevels(module);
     bindLines(module);
+    bindSolids(module);
     module.def("guard_against_crashes", [](const std::string& tool) { guardAgainstCrashes(tool); });
     py::class_<Parsing>(module, "Parsing")
         .def(py::init<const std::filesystem::path&, std::string, bool>())

@@ -3,6 +3,7 @@
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import unittest
@@ -155,7 +156,7 @@ class Film(ToolTest):
         before = self.files()
         base = ("v.%04d.vdb", "-o", "flow.mp4")
         for status, arguments, message in (
-                (2, ("v.%04d.vdb", "-o", "flow.avi"), "must end in .mp4 or .png"),
+                (2, ("v.%04d.vdb", "-o", "flow.avi"), "must end in .mp4 or .png or .html"),
                 (2, (*base, "--look", "none"), "--look"),
                 (2, (*base, "--method", "uflic"), "--method"),
                 (2, (*base, "--seconds", 0), "--seconds"),
@@ -164,6 +165,10 @@ class Film(ToolTest):
                 (2, (*base, "--seconds", 300), "5 frames make a film of 42.7 s at most"),
                 (2, ("v.%04d.vdb", "-o", "flow.png", "--seconds", 1), "--seconds"),
                 (2, (*base, "--max-memory", "1M"), "--max-memory"),
+                (2, ("v.%04d.vdb", "-o", "flow.html", "--method", "dense"), "--method dense makes no lines"),
+                (2, ("v.%04d.vdb", "-o", "flow.html", "--orbit", 1), "are of films"),
+                (2, ("v.%04d.vdb", "-o", "flow.html", "--look", "ink"), "are of pictures"),
+                (2, ("v.%04d.vdb", "-o", "flow.html", "--solid-color", 1, 1, 1), "are of pictures"),
                 (3, ("none.%04d.vdb", "-o", "flow.mp4"), "none."),
                 (4, ("v.%04d.vdb", "-o", "none/flow.mp4"), "none")):
             with self.subTest(arguments=arguments):
@@ -241,6 +246,58 @@ class Film(ToolTest):
         text = self.film("flow.mp4", "--seconds", 1, status=4, preexec_fn=limit)
         self.assertIn("cannot be written", text)
         self.assertEqual(self.files(), before)
+
+    def page_by(self, script):
+        """Start a film into a page, by a vdblic_film beside a vdblic_export that is this script; without one, if empty."""
+        tool = self.folder / "tools/vdblic_film"
+        tool.parent.mkdir(exist_ok=True)
+        shutil.copy(BIN / "vdblic_film", tool)
+        if script:
+            (tool.parent / "vdblic_export").write_text(f"#!/bin/sh\n{script}\n")
+            (tool.parent / "vdblic_export").chmod(0o755)
+        process = subprocess.Popen([tool, "v.%04d.vdb", "-o", "flow.html", "--size", "96", "64"], cwd=self.folder, text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=os.environ | {"PATH": "/usr/bin:/bin"})
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        return process
+
+    def test_page_without_the_tool(self):
+        """That is told before any work."""
+        process = self.page_by("")
+        _, text = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("vdblic_export is missing, beside this program and on PATH", text)
+        self.assertEqual(self.files(), ["tools", *self.velocities()])
+
+    def test_page_by_a_tool_that_fails(self):
+        """Its message and its status are passed on, and the textures stay."""
+        for status, ends in (2, "exit 2"), (3, "exit 3"), (4, "exit 4"), (3, "kill -9 $$"), (5, "exit 1"):
+            with self.subTest(ends=ends):
+                process = self.page_by("echo 'vdblic_export: error: s.vdb: is odd' >&2; "
+                                       f"echo 'vdblic_export: warning: and more' >&2; printf 'last word' >&2; {ends}")
+                told, text = process.communicate(timeout=60)
+                self.assertEqual((process.returncode, told), (status, ""))
+                self.assertIn("vdblic_export: s.vdb: is odd", text)
+                self.assertIn("vdblic_film: warning: and more\n", text)
+                self.assertIn("vdblic_film: last word\n", text)
+                self.assertIn("flow.html.textures: keeps the finished textures", text)
+                self.assertEqual(self.files(), ["flow.html.textures", "tools", *self.velocities()])
+
+    def test_page_is_interrupted(self):
+        """A stop ends the tool that makes the page, too; the same command goes on with the textures."""
+        process = self.page_by("echo $$ > begun; exec sleep 1000")
+        self.wait_until(lambda: (self.folder / "begun").exists() and self.contents("begun"), "not begun")
+        process.send_signal(signal.SIGINT)
+        _, text = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, -signal.SIGINT, text)
+        with self.assertRaises(ProcessLookupError):
+            os.kill(int(self.contents("begun")), 0)
+        self.assertEqual(self.files(), ["begun", "flow.html.textures", "tools", *self.velocities()])
+        process = self.page_by('echo page > "$3"')
+        told, text = process.communicate(timeout=60)
+        self.assertEqual((process.returncode, told), (0, "flow.html\n"), text)
+        self.assertIn("going on with its textures", text)
+        self.assertEqual(self.files(), ["begun", "flow.html", "tools", *self.velocities()])
 
     def test_folder_of_others(self):
         """A folder with other files under the textures' name is left as it is."""

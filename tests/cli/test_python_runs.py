@@ -162,7 +162,8 @@ class Films(ToolTest):
 
     def test_mistakes(self):
         for arguments, options, words in (
-                ((fields(1), self.folder / "f.gif"), {}, "f.gif"), ((fields(1), self.folder / "no/f.mp4"), {}, "no"),
+                ((fields(1), self.folder / "f.gif"), {}, "f.gif"), (("v.vdb", "f.html"), {}, "must end in .mp4 or .png"),
+                ((fields(1), self.folder / "no/f.mp4"), {}, "no"),
                 (([], self.folder / "f.mp4"), {}, "there is no velocity"), (("v.vdb", "f.mp4"), {"dt": 1}, "`dt` is of velocities in memory"),
                 (("none.vdb", self.folder / "f.mp4"), {}, "none.vdb: no such file"), ((fields(1),), {"seconds": -1}, "`seconds` cannot be -1"),
                 (([numpy.zeros((3, 3))],), {}, "frame 1: ")):

@@ -31,7 +31,17 @@ html_theme = "furo"
 html_title = "VDBLIC " + version
 html_show_sphinx = False
 html_copy_source = False
+html_extra_path = ["pages"]
 suppress_warnings = ["myst.header"]
+"""
+
+
+# What the site opens with, of pages that site.sh makes.
+FLOWS = """<iframe src="flows/wake.html" title="The wake of a prism on a wall" style="width:100%;height:480px;border:0">
+</iframe>
+
+*The wake of a prism on a wall; turn it. More: <a href="flows/tornado.html">a tornado</a> and
+<a href="flows/rossby.html">a wave on the Earth</a>.*
 """
 
 
@@ -76,7 +86,8 @@ def gather(folder):
         lists.append(f"```{{toctree}}\n:hidden:\n:caption: {title}\n\n{lines}\n```\n")
     index = folder / "index.md"
     reference = '\n<a href="api/index.html">The library\'s headers</a> have a reference of their own.\n'
-    index.write_text(index.read_text(encoding="utf-8") + reference + "\n" + "\n".join(lists), encoding="utf-8")
+    title, text = index.read_text(encoding="utf-8").split("\n", 1)
+    index.write_text("\n".join([title, "", FLOWS, text, reference, *lists]), encoding="utf-8")
     version = re.search(r"project\(vdblic VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
     (folder / "conf.py").write_text(CONFIGURATION.format(version=version), encoding="utf-8")
 

@@ -71,6 +71,8 @@ def film(
     given = checked("film", options, OPTIONS)
     target = None if output is None else Path(os.fsdecode(path_of(output)))
     kind = ".mp4" if target is None else target.suffix
+    if target is not None:
+        _core.check_extension(path_of(target), [".mp4", ".png"])
     if is_path(velocities) and dt is not None:
         raise ValueError("`dt` is of velocities in memory; files tell their times")
     with Teller(progress, "film") as teller:
@@ -78,7 +80,6 @@ def film(
             _core.film(path_of(velocities), path_of(target), given, teller)  # type: ignore[arg-type]
             return Film(target.read_bytes(), kind)
         if target is not None:
-            _core.check_extension(path_of(target), [".mp4", ".png"])
             _core.check_output(path_of(target))
         folder = None if target is None else target.parent
         with waiting(teller, folder) as place:

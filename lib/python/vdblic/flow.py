@@ -69,6 +69,7 @@ class Streaks(Textures):
         super().__init__(run, teller)
         self._has_lines = has_lines
         self._page: Page | None = None
+        self._last = Volume(())
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the page, an .html of at most 25 MB that any browser opens. Raises OSError if it cannot be written, and
@@ -88,12 +89,16 @@ class Streaks(Textures):
                 raise ValueError("a page shows lines; leave `draw` out")
             if self._run is None:
                 raise ValueError("the run has ended; call streaks() again for a page of all its frames")
-            paths, frames, first = gathered((made.frame, made.lines.stored.arrays(), made.metadata) for made in self)
+            paths, frames, first = gathered(self._arrays())
             if not paths.radius:
                 raise ValueError("no line in any frame; there is nothing to show")
             tell = functools.partial(self._teller, "warned")
-            self._page = Page(page(paths.finish(), "Streaks", frames, first, tell))
+            self._page = Page(page(paths.finish(), "Streaks", frames, first, self._last, tell))
         return self._page
+
+    def _arrays(self):
+        for self._last in self:
+            yield self._last.frame, self._last.lines.stored.arrays(), self._last.metadata
 
 
 def advect(

@@ -17,15 +17,19 @@ from typing import Any
 import numpy
 
 from . import _core
+from .grids import Volume
 from .paths import Paths
+from .stills import still
+from .surfaces import thinned
 from .volumes import path_of
 
 _FILES = Path(__file__).parent / "page"
 _STEPS = 8191  # across each side of the box
 _LEVELS = 254  # of a scalar; one more stands for no value
 _UNITS = {"vorticity": "1/s", "q": "1/s²"}
-_MAPS = "viridis", "turbo", "coolwarm", "fire", "ember", "ice", "gray"
+_MAPS = "viridis", "turbo", "coolwarm", "fire", "ember", "ice", "ink", "gray"
 _MODULES = "vector.js", "elements.js", "camera.js", "hand.js", "data.js", "scene.js", "clock.js", "page.js"
+_SHADERS = "lines.vert", "lines.frag", "box.vert", "box.frag", "solid.vert", "solid.frag"
 _POLICY = "default-src 'none'; img-src data: blob:; base-uri 'none'; form-action 'none'"
 
 
@@ -69,11 +73,19 @@ def gathered(frames: Iterable[tuple[int, dict[str, Any], dict[str, Any]]]) -> tu
 
 
 def page(
-    paths: Paths, title: str, frames: list[float], metadata: dict[str, Any], say: Callable[[str], None], most: float = 25e6
+    paths: Paths,
+    title: str,
+    frames: list[float],
+    metadata: dict[str, Any],
+    shown: Volume,
+    say: Callable[[str], None],
+    most: float = 25e6,
+    solid: tuple[str, numpy.ndarray, numpy.ndarray] | None = None,
 ) -> bytes:
     """The page of paths.
 
-    @param paths  finished  @param frames  in order  @param most  bytes of the page
+    @param paths  finished  @param frames  in order  @param shown  a frame for the still  @param most  bytes of the page
+    @param solid  its name for Renderer, points (n, 3) in world space, triangles (m, 3)
     """
     told = {"title": title, "frames": frames, "tail": paths.tail, "radius": paths.radius}
     told |= {key: str(metadata[key]) for key in ("start", "length_unit") if key in metadata}
@@ -82,10 +94,15 @@ def page(
     told |= {"low": low.tolist(), "high": high.tolist(), "stretch": _stretch(high - low)}
     told |= {"maps": {name: _colors(name) for name in _MAPS}}
     told["scalars"] = [_scale(name, values, told) for name, values in paths.scalars.items()]
+    surface = _surface(*solid[1:], told) if solid else b""
     whole = len(paths.counts)
+    options: dict[str, Any] = {"opacity_by": "q"} if "q" in paths.scalars else {}
+    if solid:
+        options["solid"] = solid[0]
+    picture = still(shown, most / 8, stretch=told["stretch"], **options)
     while True:
-        data, told["lines"] = _packed(paths, told), len(paths.counts)
-        text = _assembled(told, data)
+        data, told["lines"] = _zipped(_packed(paths, told) + surface), len(paths.counts)
+        text = _assembled(told, data, picture)
         if len(text) <= most:
             break
         if len(paths.counts) < 2:
@@ -163,7 +180,20 @@ def _packed(paths, told):
         )
         steps = numpy.where(numpy.isfinite(share), numpy.rint(numpy.clip(share, 0, 1) * _LEVELS), 255).astype(numpy.uint8)
         data.append(numpy.diff(steps, prepend=steps[:1] * 0).tobytes())
-    return base64.b64encode(gzip.compress(b"".join(data), 6, mtime=0)).decode()
+    return b"".join(data)
+
+
+def _surface(points, triangles, told):
+    """The values of a solid's surface, columns one after the other, as data.js reads them."""
+    points, triangles = thinned(points, triangles)
+    low, high = points.min(axis=0), points.max(axis=0)
+    steps = numpy.rint((points - low) / numpy.where(high > low, high - low, 1) * _STEPS)
+    told["solid"] = {"points": len(points), "triangles": len(triangles), "low": low.tolist(), "high": high.tolist()}
+    return b"".join(_differences(column) for column in (*steps.T, *triangles.T))
+
+
+def _zipped(data):
+    return base64.b64encode(gzip.compress(data, 6, mtime=0)).decode()
 
 
 def _differences(values):
@@ -173,11 +203,19 @@ def _differences(values):
     return (folded & 255).astype(numpy.uint8).tobytes() + (folded >> 8).astype(numpy.uint8).tobytes()
 
 
-def _assembled(told, data):
+def _caption(told):
+    sides = (f"{high - low:.4g}" for low, high in zip(told["low"], told["high"]))
+    return (
+        f"{told['lines']} lines that follow the flow, from frame {told['frames'][0]:g} to {told['frames'][-1]:g}: each"
+        f" moves with its bright end ahead. The box is {' × '.join(sides)} {told.get('length_unit', '')}".rstrip() + "."
+    )
+
+
+def _assembled(told, data, picture):
     """One file of all: modules one after the other, whose names differ, and a policy that allows nothing else."""
     read = lambda name: (_FILES / name).read_text(encoding="utf-8")
     modules = "\n".join(re.sub(r"(?m)^import [^;]*;\n|^export ", "", read(name)) for name in _MODULES)
-    shaders = {name: read(name) for name in ("lines.vert", "lines.frag", "box.vert", "box.frag")}
+    shaders = {name: read(name) for name in _SHADERS}
     script = f'"use strict";\n{{\nconst kShaders = {json.dumps(shaders)};\n{modules}\n}}'
     style = read("page.css")
     allowed = lambda text: f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
@@ -186,6 +224,8 @@ def _assembled(told, data):
         "policy": policy,
         "title": html.escape(told["title"]),
         "style": style,
+        "caption": html.escape(_caption(told)),
+        "still": picture,
         "flow": json.dumps(told, allow_nan=False).replace("<", "\\u003c"),
         "data": data,
         "script": script,

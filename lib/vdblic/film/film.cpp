@@ -5,6 +5,7 @@
 #include "vdblic/core/threads.h"
 #include "vdblic/film/film_import.h"
 #include "vdblic/film/film_plan.h"
+#include "vdblic/film/tool_process.h"
 #include "vdblic/image/film_writer.h"
 #include "vdblic/image/vector_text.h"
 #include "vdblic/io/atomic_file.h"
@@ -149,16 +150,26 @@ void checkFilm(const FilmParams& params)
 {
     checkNotInput(params.output, params.input.pattern);
     checkOutput(params.output);
+    if (params.isPage()) (void)findTool(std::string(kPageTool));
     constexpr glm::ivec2 kSmall{2, 2};
-    if (!params.isStill()) FilmWriter(params.output, kSmall, params.picturesPerSecond()); // there is ffmpeg
+    if (params.isFilm()) FilmWriter(params.output, kSmall, params.picturesPerSecond()); // there is ffmpeg
 }
 
-void makePictures(const FilmParams& params, const FilmPlan& plan, const std::string& textures, FilmReporter& reporter)
+/// Make the textures, then of them the output.
+void makeOutput(const FilmParams& params, const FilmPlan& plan, const std::string& textures, Reporter& reporter)
 {
+    FilmReporter film(reporter, plan.textures, plan.pictures);
     std::istringstream none;
     AdvectParams run = withGiven(AdvectParams{}, plan.advect);
     run.output = textures;
     run.resume = run.keepCheckpoint = true; // kept: all textures may be there, and the film not
+    if (params.isPage()) {
+        advectSequence(run, none, film);
+        Words words = plan.page;
+        words.insert(words.begin(), textures);
+        runTool(std::string(kPageTool), words, reporter);
+        return reporter.finished(params.output);
+    }
     Given given = plan.render;
     given["input"] = {textures};
     const RenderParams pictures = withGiven(RenderParams{}, given);
@@ -166,9 +177,9 @@ void makePictures(const FilmParams& params, const FilmPlan& plan, const std::str
     constexpr double kPictures = 40e6; // without textures
     paging::makeRoom(plan.textureBytes + kPictures +
                      double(threadCount()) * bytesPerVoxel(resolve(pictures).picture) * plan.textureVoxels);
-    advectSequence(run, none, reporter);
-    reporter.beginPictures(plan.textures, params.output);
-    renderSequence(pictures, none, reporter);
+    advectSequence(run, none, film);
+    film.beginPictures(plan.textures, params.output);
+    renderSequence(pictures, none, film);
 }
 
 /// Make a film of a sequence on disk. @param imported the sequence, or null if it is the user's
@@ -198,10 +209,11 @@ void makeFrom(const FilmParams& params, const ImportedVelocity* imported, Report
     FilmFolder folder(output);
     folder.open(madeFrom, reporter);
     reporter.say(fmt::format("textures wait in {} until the {} is done", folder.path().string(),
-                             params.isStill() ? "still" : "film"));
+                             params.isFilm()    ? "film"
+                             : params.isStill() ? "still"
+                                                : "page"));
     try {
-        FilmReporter film(reporter, plan.textures, plan.pictures);
-        makePictures(params, plan, folder.pattern(), film);
+        makeOutput(params, plan, folder.pattern(), reporter);
     } catch (...) {
         if (!folder.hasTextures()) {
             folder.remove();
@@ -242,7 +254,7 @@ Parameters parametersOf(FilmParams& params)
     look.choices = lookPresetNames();
     return {
         *find(sequence, "input"),
-        parameter("output", "Film, .mp4, or still of the middle frame, .png.", params.output,
+        parameter("output", "Film, .mp4, still of the middle frame, .png, or page for browsers, .html.", params.output,
                   {.option = "-o,--output", .isRequired = true}),
         parameter("globe", "Place a file of longitude and latitude on a globe, as vdblic_import --globe does.",
                   params.globe),
@@ -272,9 +284,19 @@ Parameters parametersOf(FilmParams& params)
     };
 }
 
+bool FilmParams::isFilm() const
+{
+    return std::filesystem::path(output).extension() == ".mp4";
+}
+
 bool FilmParams::isStill() const
 {
     return std::filesystem::path(output).extension() == ".png";
+}
+
+bool FilmParams::isPage() const
+{
+    return std::filesystem::path(output).extension() == ".html";
 }
 
 glm::ivec2 FilmParams::pictureSize() const
@@ -292,14 +314,21 @@ void FilmParams::validate() const
 {
     FilmParams copy = *this;
     checkLimits(parametersOf(copy));
-    checkExtension(output, {".mp4", ".png"});
+    checkExtension(output, {".mp4", ".png", ".html"});
     if (input.pattern == "-")
         throw ParameterError("paths on standard input cannot be planned; name a file or a pattern");
     if (globe && !needsImport(*this))
         throw ParameterError("`globe` is of files for vdblic_import, and a .vdb lies where it is: leave it out");
     if (!look.empty()) (void)lookPreset(look);
-    if (isStill() && (seconds || fps || orbit != 0))
-        throw ParameterError("`seconds`, `fps` and `orbit` are of films, and a .png is a still: leave them out");
+    if (!isFilm() && (seconds || fps || orbit != 0))
+        throw ParameterError("`seconds`, `fps` and `orbit` are of films: leave them out, or write an .mp4");
+    if (!isPage()) return;
+    if (method == FilmMethod::kDense)
+        throw ParameterError("`method` dense makes no lines, which pages show: leave it out, or write an .mp4");
+    if (!look.empty() || plain || angles || view != FilmParams{}.view || solidColor != FilmParams{}.solidColor) {
+        throw ParameterError("`look`, `view`, `angles`, `plain` and `solid_color` are of pictures: leave them out, or "
+                             "write an .mp4");
+    }
 }
 
 } // namespace vdblic

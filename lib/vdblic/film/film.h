@@ -21,11 +21,11 @@ enum class FilmMethod { kStreaks, kDense };
 template<>
 inline constexpr auto kNames<FilmMethod> = std::to_array<std::string_view>({"streaks", "dense"});
 
-/// The parameters of a film or a still of a velocity sequence. planFilm() chooses all others from the data.
+/// The parameters of a film, a still or a page of a velocity sequence. planFilm() chooses all others from the data.
 struct FilmParams {
     SequenceParams input;
     bool globe = false;              ///< place longitude and latitude on a globe; of inputs for vdblic_import
-    std::string output;              ///< .mp4 film, or .png still of the middle frame
+    std::string output;              ///< .mp4 film, .png still of the middle frame, or .html page
     std::optional<double> seconds{}; ///< length of the film; unset: 5 to 10, by the flow
     std::optional<double> fps{};     ///< pictures a second; unset: 24, in a preview 12
     std::array<int, 2> size{1280, 720};
@@ -39,15 +39,18 @@ struct FilmParams {
     bool preview = false;                    ///< half the width and height, half the pictures, coarser textures
     FilmMethod method = FilmMethod::kStreaks;
 
+    [[nodiscard]] bool isFilm() const;
     [[nodiscard]] bool isStill() const;
+    [[nodiscard]] bool isPage() const;            ///< of lines, for browsers
     [[nodiscard]] glm::ivec2 pictureSize() const; ///< of a preview half the size
     [[nodiscard]] double picturesPerSecond() const;
     void validate() const; ///< @throws ParameterError
 };
 [[nodiscard]] Parameters parametersOf(FilmParams& params);
 
-/// Make a film or a still from a velocity sequence: plan, compute the textures, render them. An input in a format of
-/// other programs goes through vdblic_import first; its velocity waits in the folder OUTPUT.velocity.
+/// Make a film, a still or a page from a velocity sequence: plan, compute the textures, render them; vdblic_export
+/// makes a page of them. An input in a format of other programs goes through vdblic_import first; its velocity waits in
+/// the folder OUTPUT.velocity.
 ///
 /// Textures wait in the folder OUTPUT.textures until the output is complete; then the folder is removed. After an
 /// interruption the same call reuses the finished ones and writes the same output. Textures of other parameters, or of

@@ -79,21 +79,6 @@ Words wordsOfFactors(const std::array<int, 3>& factors)
     return {fmt::format("{}", factors[0]), fmt::format("{}", factors[1]), fmt::format("{}", factors[2])};
 }
 
-std::string commandOf(std::string_view tool, const Parameters& parameters, const std::map<std::string, Words>& given)
-{
-    std::string command(tool);
-    for (const Parameter& parameter : parameters) {
-        const auto words = given.find(std::string(parameter.key));
-        if (words == given.end()) continue;
-        const std::string option = parameter.option();
-        if (!parameter.isPositional()) command += ' ' + option.substr(0, option.find(','));
-        if (parameter.type == WordType::kFlag) continue;
-        for (const std::string& word : words->second)
-            command += ' ' + shellWord(word);
-    }
-    return command;
-}
-
 /// Chooses the plan of a film, step by step.
 class FilmPlanner {
   public:
@@ -120,6 +105,7 @@ class FilmPlanner {
         mParams.method == FilmMethod::kStreaks ? chooseStreaks() : chooseDense();
         choosePictures();
         if (has("rim")) chooseGlobe();
+        if (mParams.isPage()) choosePage();
         return std::move(mPlan);
     }
 
@@ -142,7 +128,7 @@ class FilmPlanner {
                             moves, moves < kLeastMoves ? "little" : "far", moves < kLeastMoves ? "quick" : "slow"));
         } else {
             mMoves = moves;
-            if (!mParams.isStill() && !mInfo.isFrozen) quicken();
+            if (mParams.isFilm() && !mInfo.isFrozen) quicken();
         }
         return mMoves * mPixels;
     }
@@ -167,11 +153,11 @@ class FilmPlanner {
     /// The number of intervals between frames.
     [[nodiscard]] double intervals() const { return double(std::max<std::size_t>(mInfo.frames.size(), 2) - 1); }
 
-    /// The voxels a frame with which a film of all frames has the right pace; of a still, that streaks can follow.
+    /// The voxels a frame with which a film of all frames has the right pace; of others, that streaks can follow.
     [[nodiscard]] double slowMotion() const
     {
         constexpr double kMostMoves = 12;
-        if (mParams.isStill()) return kMostMoves;
+        if (!mParams.isFilm()) return kMostMoves;
         const double pictures = mParams.seconds.value_or(kMostSeconds) * mParams.picturesPerSecond();
         return std::max(kPace * pictures / intervals() / mPixels, kLeastMoves);
     }
@@ -185,9 +171,15 @@ class FilmPlanner {
         const auto pictures = [&](double seconds) {
             return std::size_t(std::max(std::round(seconds * perSecond), 1.0));
         };
+        constexpr std::size_t kOfPage = 48; // of a flow that stays as it is
         if (mInfo.isFrozen) {
-            mPlan.textures = mPlan.pictures = pictures(mParams.seconds.value_or(kLeastSeconds));
+            mPlan.textures = mPlan.pictures =
+                mParams.isPage() ? kOfPage : pictures(mParams.seconds.value_or(kLeastSeconds));
             mPlan.advect["steady_frames"] = {fmt::format("{}", mPlan.textures)};
+            return frames;
+        }
+        if (mParams.isPage()) { // shows all times between frames
+            mPlan.textures = frames.size();
             return frames;
         }
         constexpr std::size_t kMostSubsteps = TextureParams::kMostSubsteps;
@@ -246,7 +238,8 @@ class FilmPlanner {
         mPlan.advect["draw"] = {"lines"};
         mPlan.render["samples"] = {"2"};
         mPlan.advect["spacing"] = {shortNumber(spacing)};
-        mPlan.advect["tail"] = {shortNumber(std::min(tail * spacing / mMoves, 24.0))};
+        const double leastTail = mParams.isPage() ? 1.5 : 0; // frames; a page joins the tails of frames
+        mPlan.advect["tail"] = {shortNumber(std::clamp(tail * spacing / mMoves, leastTail, 24.0))};
         mPlan.advect["refine"] = wordsOfFactors(refinement.factors);
     }
 
@@ -364,6 +357,14 @@ class FilmPlanner {
         }
     }
 
+    /// Lines in place of pictures; vdblic_export chooses what they look like.
+    void choosePage()
+    {
+        mPlan.page = {"-o", mParams.output};
+        const auto solid = mPlan.render.find("solid");
+        if (solid != mPlan.render.end()) mPlan.page.insert(mPlan.page.end(), {"--solid", solid->second.front()});
+    }
+
     [[nodiscard]] bool has(std::string_view name) const
     {
         return std::any_of(mInfo.grids.begin(), mInfo.grids.end(), [&](const GridInfo& grid) {
@@ -397,16 +398,6 @@ FilmPlan planFilm(const FilmParams& params, const SequenceInfo& info)
     if (grid->box.empty() || info.velocity->voxels == 0)
         throw InputError(fmt::format("{}: grid '{}' has no active voxel", info.pattern, grid->name));
     return FilmPlanner(params, info).plan();
-}
-
-std::vector<std::string> commandsOf(const FilmPlan& plan, const std::string& textures)
-{
-    AdvectParams advect;
-    RenderParams render;
-    std::map<std::string, Words> first = plan.advect, second = plan.render;
-    first["output"] = second["input"] = {textures};
-    return {commandOf("vdblic_advect", parametersOf(advect), first),
-            commandOf("vdblic_render", parametersOf(render), second)};
 }
 
 } // namespace vdblic

@@ -7,13 +7,17 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdblic {
 
+inline constexpr std::string_view kPageTool = "vdblic_export";
+
 /// The parameters of vdblic_advect and vdblic_render that make a film, by key.
 struct FilmPlan {
     std::map<std::string, Words> advect, render; ///< without the textures' pattern
+    Words page;                                  ///< of a page: words of kPageTool, without the textures' pattern
     std::size_t textures = 1, pictures = 1;      ///< a film may leave out textures of its last interval
     double textureVoxels = 0, textureBytes = 0;  ///< voxels of a dense texture, estimated memory to make it
     double pictureBytes = 0, seconds = 0;        ///< estimates for streaks: memory of a picture, all processor time
@@ -27,7 +31,7 @@ struct FilmPlan {
 /// @throws InputError if there is no velocity, a file is damaged, or the flow is at rest
 [[nodiscard]] FilmPlan planFilm(const FilmParams& params, const SequenceInfo& info);
 
-/// The commands of vdblic_advect and vdblic_render for a plan. @param textures pattern
+/// The commands for a plan: of vdblic_advect, and of vdblic_render or kPageTool. @param textures pattern
 [[nodiscard]] std::vector<std::string> commandsOf(const FilmPlan& plan, const std::string& textures);
 
 } // namespace vdblic

@@ -35,6 +35,7 @@ class ToolProcess {
         std::vector<std::string> words = {program.string()};
         words.insert(words.end(), arguments.begin(), arguments.end());
         std::vector<char*> pointers;
+        pointers.reserve(words.size() + 1);
         for (std::string& word : words)
             pointers.push_back(word.data());
         pointers.push_back(nullptr);
@@ -139,7 +140,7 @@ fs::path findTool(const std::string& name)
     for (std::string folder; std::getline(rest, folder, ':');)
         folders.emplace_back(folder);
     for (const fs::path& folder : folders) {
-        const fs::path program = folder / name;
+        fs::path program = folder / name;
         if (!folder.empty() && fs::is_regular_file(program, ignored) && ::access(program.c_str(), X_OK) == 0)
             return program;
     }

@@ -13,7 +13,7 @@ from . import levels
 from .console import printable
 from .errors import InputError, OutputError, ParameterError, needed
 from .metadata import number_of
-from .html_export import add_page_options, export_page
+from .html_export import add_page_options, export_page, refuse_page_options
 from .outputs import Outputs, check_not_inputs, frames_of
 from .tool import Tool
 from .usd_export import add_options, export_layer, refuse_options
@@ -44,8 +44,8 @@ def main(version, words):
 def run(options, console, stop, version):
     """Convert every selected frame, or name them all in a layer."""
     kind = os.path.splitext(options.output)[1].lower()
-    if options.max_size is not None and kind != ".html":
-        raise ParameterError("--max-size is of a page; write one with -o flow.html, or leave it out")
+    if kind != ".html":
+        refuse_page_options(options)
     if kind == ".usda":
         export_layer(options, console, stop, version)
         return

@@ -3,7 +3,7 @@
 import argparse
 import re
 
-from vdblic._core import FramePattern, check_output, read_lines, write_file
+from vdblic._core import FramePattern, check_output, read_lines, solid_mesh, write_file
 
 from .console import printable
 from .errors import InputError, ParameterError
@@ -21,10 +21,20 @@ def size(text):
 def add_page_options(tool):
     tool.add("--max-size", metavar="SIZE", type=size,
              help="Of an .html: its largest size, 25M by default; a page that would be larger leaves lines out.")  # fmt: skip
+    tool.add("--solid", metavar="FILE[:GRID] or domain",
+             help="Of an .html: opaque body, as of vdblic_render; a page shows that of the first frame.")  # fmt: skip
+
+
+def refuse_page_options(options):
+    """Raise ParameterError if an option of pages is given for other files."""
+    for name in "max_size", "solid":
+        if getattr(options, name) is not None:
+            raise ParameterError(f"`{name}` is of a page; write one with -o flow.html, or leave it out")
 
 
 def export_page(options, console, stop):
     from vdblic.pages import gathered, page  # NumPy takes long to load
+    from vdblic.volumes import read
 
     if options.grids or options.levels:
         raise ParameterError("a page has the lines with all their scalars; leave --grids and --levels out")
@@ -39,10 +49,24 @@ def export_page(options, console, stop):
         paths, frames, first = gathered(_read(found, console, stop))
         if not paths.radius:
             raise InputError(f"{found[0][1]}: no line in any frame; there is nothing to show")
-        title = printable(str(first.get("title", found[0][1].stem.split(".")[0])))
+        solid = _solid(options.solid, *found[0], console)
+        title = printable(str(first.get("title", path.stem)))
         size = {"most": options.max_size} if options.max_size else {}
-        write_file(path, page(paths.finish(), title, frames, first, console.say, **size))
+        shown = read(found[len(found) // 2][1])
+        write_file(path, page(paths.finish(), title, frames, first, shown, console.say, solid=solid, **size))
     console.finished(path)
+
+
+def _solid(source, frame, path, console):
+    """A solid of a frame's file, as a page takes it."""
+    if source is None:
+        return None
+    points, triangles, changes = solid_mesh(source, path, frame)
+    if not len(triangles):
+        raise InputError(f"{path}: `solid` {printable(source)} has no surface; leave it out, or choose another")
+    if changes and source != "domain":
+        console.say(f"the page shows the solid of frame {frame}, at all times")
+    return source, points, triangles
 
 
 def _read(found, console, stop):

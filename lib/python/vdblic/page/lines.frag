@@ -21,6 +21,6 @@ void main()
     float rim = 1.0 - 0.75 * smoothstep(0.72, 0.95, abs(s));
     vec3 lit = (own * diffuse + shine) * rim * mix(0.65, 1.0, across.y);
     vec3 back = pow(ground, vec3(2.2));
-    shown = vec4(pow(mix(lit, back, 0.6 * fog), vec3(1.0 / 2.2)), opacity);
+    shown = vec4(pow(mix(lit, back, fog * mix(0.6, 0.2, ground.g)), vec3(1.0 / 2.2)), opacity);
     if (shown.a < 0.1) discard;
 }

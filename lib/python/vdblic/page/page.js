@@ -1,12 +1,11 @@
 // The page: its state, settings, legend and address.
 
-import { axes, unitsPerPixel } from "./camera.js";
+import { panned, project, unitsPerPixel, zoomed } from "./camera.js";
 import { Clock } from "./clock.js";
 import { unpacked } from "./data.js";
 import { channels, make, makeRow, short } from "./elements.js";
 import { listenToHand } from "./hand.js";
 import { Scene } from "./scene.js";
-import { dot } from "./vector.js";
 
 const byId = (id) => document.getElementById(id);
 const flow = JSON.parse(byId("flow").textContent),
@@ -26,24 +25,28 @@ function wholeView() {
         const at = (share) => places[Math.floor(share * (places.length - 1))] ?? 8191 * share;
         return [0.005, 0.995].map((share) => scene.low[axis] + (at(share) / 8191) * scene.side[axis]);
     });
-    const target = ends.map(([low, high]) => (low + high) / 2),
-        camera = { eye: target.map((c, i) => c + [-0.45, -0.95, 0.5][i]), target, up: [0, 0, 1], fov: 40 };
-    const { right, up, forward } = axes(camera),
-        tan = Math.tan((camera.fov * Math.PI) / 360),
-        aspect = canvas.clientWidth / canvas.clientHeight;
-    let distance = 0;
-    for (let corner = 0; corner < 8; ++corner) {
-        const from = ends.map((end, i) => end[(corner >> i) & 1] - target[i]);
-        const [x, y, z] = [right, up, forward].map((axis) => dot(axis, from));
-        distance = Math.max(distance, Math.abs(x) / (0.9 * tan * aspect) - z, Math.abs(y) / (0.75 * tan) - z);
+    const sides = ends.map(([low, high]) => high - low || 1),
+        target = ends.map(([low, high]) => (low + high) / 2),
+        corners = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => ends.map((end, i) => end[(corner >> i) & 1])),
+        isFlat = sides[2] < 0.3 * Math.max(sides[0], sides[1]),
+        from = isFlat ? [0.2, -0.7, 0.7] : [0.45, -0.95, 0.5],
+        [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    let camera = { eye: target.map((c, i) => c + 3 * Math.hypot(...sides) * from[i]), target, up: [0, 0, 1], fov: 40 };
+    for (let step = 0; step < 5; ++step) {
+        const seen = corners.map((corner) => project(camera, corner, width, height)),
+            [x, y] = [0, 1].map((i) => [Math.min(...seen.map((at) => at[i])), Math.max(...seen.map((at) => at[i]))]);
+        camera = panned(camera, width / 2 - (x[0] + x[1]) / 2, 0.47 * height - (y[0] + y[1]) / 2, height);
+        camera = zoomed(camera, Math.max((x[1] - x[0]) / (0.92 * width), (y[1] - y[0]) / (0.75 * height)));
     }
-    return { ...camera, eye: target.map((c, i) => c - forward[i] * (distance || 1)) };
+    return camera;
 }
 
-const q = flow.scalars.findIndex((scale) => scale.name === "q"),
-    speed = Math.max(0, flow.scalars.findIndex((scale) => scale.name === "magnitude"));
+const numberOf = (name) => flow.scalars.findIndex((scale) => scale.name === name);
+const q = numberOf("q"),
+    speed = Math.max(0, numberOf(numberOf("speed") < 0 ? "magnitude" : "speed"));
+const nameOf = (scale) => (scale.name === "magnitude" && numberOf("speed") < 0 ? "speed" : scale.name);
 const state = {
-    frame: flow.frames[0], speed: 8, loop: true, camera: null, colorBy: speed, map: "ember", range: null,
+    frame: flow.frames[0], speed: 8, loop: true, camera: null, colorBy: speed, map: null, range: null,
     part: 0, shownBy: q < 0 ? speed : q, least: q < 0 ? 0 : storedOf(flow.scalars[q], flow.scalars[q].shown[1]),
     clip: "none", cut: 1, box: true, dark: true,
 };
@@ -53,6 +56,7 @@ try {
     // an address of something else
 }
 let scene, wanted;
+const mapNow = () => state.map ?? (state.dark ? "ember" : "turbo");
 
 const kFew = 16; // lines, of which one is drawn to see how fast the machine is
 const kPatience = 500; // milliseconds for a picture
@@ -71,7 +75,7 @@ function drawn() {
     document.documentElement.classList.toggle("dark", state.dark);
     const ground = channels(state.dark ? "#0a0d12" : "#f4f5f7").map((c) => c / 255);
     const least = state.least > 0 ? state.least : -1;
-    return { ...state, scale, range, ends: range.map((v) => storedOf(scale, v)), least, clip, ground };
+    return { ...state, map: mapNow(), scale, range, ends: range.map((v) => storedOf(scale, v)), least, clip, ground };
 }
 
 function render() {
@@ -87,13 +91,14 @@ function dateText() {
     const seconds = (flow.time ?? 0) + (state.frame - flow.frames[0]) * (flow.dt ?? 0),
         start = Date.parse(flow.start);
     if (Number.isFinite(start)) return new Date(start + 1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
+    if (flow.dt && Math.abs(seconds) >= 36000) return `${(seconds / 3600).toFixed(1)} h`;
     return flow.dt ? `${seconds.toPrecision(3)} s` : `frame ${state.frame.toFixed(1)}`;
 }
 function showLegend(scale, range) {
-    byId("legend-name").textContent = (scale.name === "magnitude" ? "speed" : scale.name) + (scale.unit && ` [${scale.unit}]`);
+    byId("legend-name").textContent = nameOf(scale) + (scale.unit && ` [${scale.unit}]`);
     [...byId("legend-ends").children].forEach((end, i) => (end.textContent = short(range[i])));
     const context = byId("bar").getContext("2d"),
-        colors = flow.maps[state.map];
+        colors = flow.maps[mapNow()];
     colors.forEach((color, i) => {
         context.fillStyle = color;
         context.fillRect(i * 8, 0, 8, 1);
@@ -117,9 +122,9 @@ function changed() {
 }
 
 function settings() {
-    const choice = (id, values, names = values) =>
+    const choice = (id, values, names = values, now = state[id]) =>
         make("select", { id, change: (e) => set(id, values[e.target.selectedIndex]) },
-            ...values.map((value, i) => make("option", { selected: value === state[id] }, names[i])));
+            ...values.map((value, i) => make("option", { selected: value === now }, names[i])));
     const set = (id, value) => {
         state[id] = value;
         if (id === "colorBy") state.range = null;
@@ -136,7 +141,7 @@ function settings() {
         least = make("output", { for: "least" });
     const words = () => (least.value = state.least > 0 ? `≥ ${short(valueOf(shown, state.least))} ${shown.unit}` : "all");
     words();
-    const names = flow.scalars.map((s) => (s.name === "magnitude" ? "speed" : s.name)),
+    const names = flow.scalars.map(nameOf),
         numbers = names.map((_, i) => i);
     const end = (i) => make("input", { id: `end${i}`, type: "number", step: "any", "aria-label": ["Least", "Most"][i],
         value: short((state.range ?? [scale.shown[0], scale.shown[2]])[i]),
@@ -145,7 +150,7 @@ function settings() {
     const focused = document.activeElement?.id;
     byId("settings").replaceChildren(
         makeRow("Colour", "colorBy", choice("colorBy", numbers, names)),
-        makeRow("Colours", "map", choice("map", Object.keys(flow.maps))),
+        makeRow("Colours", "map", choice("map", Object.keys(flow.maps), undefined, mapNow())),
         makeRow("Range", "end0", end(0), end(1)),
         makeRow("Show by", "shownBy", choice("shownBy", numbers, names)),
         makeRow("From", "least", slider("least", 0, 1, 0.002), least),
@@ -170,22 +175,24 @@ function keepPng() {
     });
 }
 
+/// Choose as many lines as the machine draws in time.
+async function choosePart() {
+    const timeOf = (part) => scene.timeOf({ ...drawn(), part }),
+        few = await timeOf(kFew),
+        more = Math.max((await timeOf(kFew / 2)) - few, 0); // for as many lines again
+    if (state.part !== kFew) return; // somebody chose
+    state.part = [1, 2, 4, 8].find((part) => few + more * (kFew / part - 1) <= kPatience) ?? kFew;
+    settings();
+    changed();
+}
+
 async function begin() {
     scene = new Scene(canvas, flow, await unpacked(flow, byId("data").textContent));
     byId("data").remove();
     state.camera ??= wholeView();
-    if (!state.part) {
-        const timeOf = (part) => scene.timeOf({ ...drawn(), part });
-        await timeOf(kFew); // compiles the shaders
-        const few = await timeOf(kFew),
-            more = Math.max((await timeOf(kFew / 2)) - few, 0); // for as many lines again
-        state.part = [1, 2, 4, 8].find((part) => few + more * (kFew / part - 1) <= kPatience) ?? kFew;
-    }
-    byId("message").textContent = "";
-    const last = flow.frames.at(-1),
-        unit = flow.length_unit ?? "";
-    byId("caption").textContent = `${flow.lines} lines that follow the flow, from frame ${flow.frames[0]} to ${last}: ` +
-        `each moves with its bright end ahead. The box is ${flow.high.map((c, i) => short(c - flow.low[i])).join(" × ")}${unit && ` ${unit}`}.`;
+    const isAsked = state.part > 0;
+    if (!isAsked) state.part = kFew;
+    const last = flow.frames.at(-1);
     Object.assign(byId("moment"), { min: flow.frames[0], max: last });
     const clock = new Clock(flow.frames, state, changed);
     byId("moment").addEventListener("input", (event) => {
@@ -206,7 +213,13 @@ async function begin() {
     canvas.addEventListener("webglcontextrestored", () => { scene.mapTexture = null; scene.begin(); changed(); });
     new ResizeObserver(changed).observe(canvas);
     settings();
+    await scene.timeOf(drawn()); // compiles the shaders
     render();
+    byId("message").textContent = "";
+    if (!isAsked) await choosePart();
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches) clock.toggle(true);
 }
-begin().catch((error) => (byId("message").textContent = error.message));
+begin().catch((error) => {
+    byId("message").textContent = error.message;
+    document.documentElement.classList.add("still");
+});

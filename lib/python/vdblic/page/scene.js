@@ -1,8 +1,8 @@
-// Lines and their box by WebGL 2. All values are uploaded once.
+// Lines, their box and the solid by WebGL 2. All values are uploaded once.
 
 import { axes } from "./camera.js";
 import { channels } from "./elements.js";
-import { pieces } from "./data.js";
+import { pieces, surface } from "./data.js";
 import { dot } from "./vector.js";
 
 const kWidth = 4096; // of textures
@@ -13,13 +13,15 @@ export class Scene {
         this.pieces = pieces(data.lines[0], data.points[3]);
         this.low = flow.low.map((c, i) => c * flow.stretch[i]);
         this.side = flow.high.map((c, i) => c * flow.stretch[i] - this.low[i]);
+        const ends = [flow.low, flow.high, ...(flow.solid ? [flow.solid.low, flow.solid.high] : [])];
+        this.reach = [Math.min, Math.max].map((most) => flow.stretch.map((s, i) => s * most(...ends.map((end) => end[i]))));
         this.begin();
     }
 
     /// Upload everything; again after the context was lost.
     begin() {
         const gl = (this.gl = this.canvas.getContext("webgl2", { antialias: true, alpha: false }));
-        if (!gl) throw new Error("This browser has no WebGL 2, which draws the flow.");
+        if (!gl) throw new Error("This browser has no WebGL 2, which moves the flow. This is a still.");
         this.lines = this.program("lines");
         this.box = this.program("box");
         const [x, y, z, t] = this.data.points,
@@ -29,10 +31,30 @@ export class Scene {
         this.texture(2, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array, [this.pieces.owners]);
         this.scalars = this.data.scalars.map((v) => this.texture(3, gl.R8, gl.RED, gl.UNSIGNED_BYTE, Uint8Array, [v]));
         this.map = null;
+        this.solid = this.data.solid && this.uploadSolid();
         gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
         this.chosen = null;
         this.place = gl.getAttribLocation(this.lines.program, "point");
         gl.vertexAttribDivisor(this.place, 1);
+    }
+
+    uploadSolid() {
+        const gl = this.gl,
+            { low, high } = this.flow.solid,
+            stretched = (place) => place.map((c, i) => c * this.flow.stretch[i]),
+            { places, normals, order } = surface(this.data.solid, stretched(low), stretched(high.map((c, i) => c - low[i])));
+        const vertices = gl.createVertexArray();
+        gl.bindVertexArray(vertices);
+        [places, normals].forEach((values, i) => {
+            gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+            gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
+            gl.enableVertexAttribArray(i);
+            gl.vertexAttribPointer(i, 3, gl.FLOAT, false, 0, 0);
+        });
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+        gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, order, gl.STATIC_DRAW);
+        gl.bindVertexArray(null);
+        return { ...this.program("solid"), vertices, count: order.length };
     }
 
     program(name) {
@@ -120,11 +142,13 @@ export class Scene {
         const rows = [right, up, forward.map((c) => -c)];
         const view = [0, 1, 2].flatMap((i) => [...rows.map((row) => row[i]), 0]);
         view.push(...rows.map((row) => -dot(row, camera.eye)), 1);
-        const size = Math.hypot(...this.side),
-            middle = this.low.map((c, i) => c + this.side[i] / 2);
-        const depth = dot(middle.map((c, i) => c - camera.eye[i]), forward),
-            far = Math.max(depth + size, size / 100),
-            near = Math.max(depth - size, far / 3000);
+        const depthOf = (low, high) => dot(low.map((c, i) => (c + high[i]) / 2 - camera.eye[i]), forward),
+            size = Math.hypot(...this.side),
+            depth = depthOf(this.low, this.low.map((c, i) => c + this.side[i]));
+        const [low, high] = this.reach,
+            deep = Math.hypot(...high.map((c, i) => c - low[i])),
+            far = Math.max(depthOf(low, high) + deep, deep / 100),
+            near = Math.max(depthOf(low, high) - deep, far / 3000);
         const f = 1 / Math.tan((camera.fov * Math.PI) / 360);
         const projection = [(f * canvas.height) / canvas.width, 0, 0, 0, 0, f, 0, 0];
         projection.push(0, 0, (far + near) / (near - far), -1, 0, 0, (2 * far * near) / (near - far), 0);
@@ -135,6 +159,7 @@ export class Scene {
             gl.uniform3fv(program.at("low"), this.low);
             gl.uniform3fv(program.at("side"), this.side);
             gl.uniform3fv(program.at("ground"), state.ground);
+            gl.uniform2f(program.at("depths"), depth - size / 2, depth + size / 2);
         };
         gl.viewport(0, 0, canvas.width, canvas.height);
         gl.clearColor(...state.ground, 1);
@@ -143,6 +168,12 @@ export class Scene {
         common(this.box);
         gl.disableVertexAttribArray(this.place);
         if (state.box) gl.drawArrays(gl.LINES, 0, 24);
+        if (this.solid) {
+            common(this.solid);
+            gl.bindVertexArray(this.solid.vertices);
+            gl.drawElements(gl.TRIANGLES, this.solid.count, gl.UNSIGNED_SHORT, 0);
+            gl.bindVertexArray(null);
+        }
         common(this.lines);
         this.choose(state);
         this.useMap(state.map);
@@ -156,7 +187,6 @@ export class Scene {
         const numbers = { now, tail, fade: 1.5 / flow.tick, radius: flow.radius * Math.cbrt(state.part), pixel: 2 / f / canvas.height, least: state.least };
         for (const [name, value] of Object.entries(numbers)) gl.uniform1f(this.lines.at(name), value);
         gl.uniform2fv(this.lines.at("ends"), state.ends);
-        gl.uniform2f(this.lines.at("depths"), depth - size / 2, depth + size / 2);
         gl.uniform4fv(this.lines.at("clip"), state.clip);
         const tick = (t) => this.starts[Math.max(0, Math.min(65537, Math.round(t)))];
         const first = tick(now - tail),
