@@ -69,6 +69,12 @@ class Flow:
             mask = mask & numpy.isfinite(volume).all(axis=3)
         return volumes, mask, met
 
+    def holds(self, points):
+        """Whether places are in the data's cells, also in those without a value."""
+        dataset = vtk.shallow_copy(self._dataset)
+        dataset.GetPointData().Initialize()
+        return numpy.ravel(_probed(dataset, (), points)[1])
+
     def _copied(self, target):
         """The voxels of images that lie on a grid."""
         mask, volumes = numpy.zeros(target.size, bool), []

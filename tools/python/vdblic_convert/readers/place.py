@@ -7,6 +7,7 @@ import numpy
 
 from ..errors import InputError, needed
 from ..units import measures
+from .around import directions, goes_around
 from .earth import local_plane
 
 LONGITUDE, LATITUDE = r"degrees?_?(east|e)", r"degrees?_?(north|n)"
@@ -95,16 +96,16 @@ def ordered(longitude):
 def angles(longitude, latitude):
     """Directions, against east, of a grid's rows and columns, at its points (y, x); degrees to radians.
 
-    They follow chords through the sphere; along meridians and parallels of any pole these are the tangents.
+    They follow chords through the sphere, also across a seam; along meridians and parallels of any pole these are the
+    tangents.
     """
-    lon, lat = numpy.radians(longitude), numpy.radians(latitude)
-    point = numpy.cos(lat) * numpy.cos(lon), numpy.cos(lat) * numpy.sin(lon), numpy.sin(lat)
+    out, east, north = directions(longitude, latitude)
+    seam = int(goes_around(longitude))
+    wide = numpy.concatenate([out[:, -1:], out, out[:, :1]], axis=1) if seam else out
     turns = []
-    for axis in -1, -2:
-        x, y, z = (numpy.gradient(part, axis=axis, edge_order=min(2, part.shape[axis] - 1)) for part in point)
-        east = y * numpy.cos(lon) - x * numpy.sin(lon)
-        north = z * numpy.cos(lat) - (x * numpy.cos(lon) + y * numpy.sin(lon)) * numpy.sin(lat)
-        turns.append(numpy.arctan2(north, east))
+    for axis in 1, 0:
+        along = numpy.gradient(wide, axis=axis, edge_order=min(2, wide.shape[axis] - 1))[:, seam : seam + out.shape[1]]
+        turns.append(numpy.arctan2((along * north).sum(axis=-1), (along * east).sum(axis=-1)))
     return tuple(turns)
 
 
@@ -164,7 +165,7 @@ def _on_earth(source, longitude, latitude, names):
         latitude = latitude[:, columns]
         turn = angles(longitude, latitude)
         torn = numpy.zeros(longitude.shape, bool)
-        for axis in 0, 1:
+        for axis in (0, 1) if not source.globe else ():
             apart = numpy.abs(numpy.diff(longitude, axis=axis)) > 120
             torn |= numpy.pad(apart, [(0, 1) if i == axis else (0, 0) for i in range(2)])
         if torn.any():
