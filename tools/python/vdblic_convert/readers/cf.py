@@ -108,7 +108,7 @@ class CfFile(Gridded):
         if relative in ("0", "1"):  # GRIB's own word; its y runs northwards, however the rows are stored
             kinds = ["along" if relative == "1" else "eastward"]
             place.along = place.along and (place.along[0], place.along[0] + numpy.pi / 2)
-        if not kinds and name in velocity and self._fields[velocity[0]] != self._fields[velocity[1]]:
+        if not kinds and name in velocity and len({self._fields[n] for n in velocity[:2] if n in self._fields}) > 1:
             kinds = ["along"]  # on the faces of cells
         turns = {kind: getattr(place, kind) for kind in kinds or ("eastward", "along")}
         if kinds and turns[kinds[0]] is None:

@@ -49,11 +49,14 @@ class Data:
 
     def text(self, name, attribute):
         """An attribute, in whatever letters its name is; empty if there is none. Raises InputError for two of them."""
-        found = {str(value).strip() for key, value in self.attrs(name).items() if key.lower() == attribute}
+        keys = (attribute, "unit") if attribute == "units" else (attribute,)
+        found = {str(value).strip() for key, value in self.attrs(name).items() if key.lower() in keys}
         if len(found) > 1:
             raise InputError(f"{self.path}: '{name}' has several attributes '{attribute}': {', '.join(sorted(found))}")
         value = found.pop() if found else ""
         if attribute == "standard_name":
+            if not value and any(re.fullmatch(kind, self.text(name, "long_name")) for kind in COMPONENTS):
+                value = self.text(name, "long_name")  # as NEMO has it
             value = value.lower().replace("ocean_sigma/general_coordinate", "ocean_sigma_coordinate")  # as FVCOM has it
         return value
 
