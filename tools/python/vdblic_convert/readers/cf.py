@@ -118,16 +118,17 @@ class CfFile(Gridded):
                 f"'{name}:standard_name={'xy'[slot]}_wind'"
             )
         known = [turn[slot] for turn in turns.values() if turn is not None]
-        against = [numpy.abs(numpy.angle(numpy.exp(1j * (angle - slot * numpy.pi / 2)))).max() for angle in known]
-        if not kinds and max(against) > TURNED:
+        apart = lambda angle, other: numpy.abs(numpy.angle(numpy.exp(1j * (angle - other)))).max()
+        turned = apart(known[0], known[-1])
+        if not kinds and turned > TURNED:
             raise InputError(
-                f"{self.path}: is '{name}' along the grid, which is turned by up to {numpy.degrees(max(against)):.3g} "
+                f"{self.path}: is '{name}' along the grid, which is turned by up to {numpy.degrees(turned):.3g} "
                 f"degrees against east and north, or along those? say it: --attribute '{name}:standard_name="
                 f"{'xy'[slot]}_wind' or '{name}:standard_name={('east', 'north')[slot]}ward_wind'"
             )
         how = {"along": "along the grid", "eastward": ("eastward", "northward")[slot]}
         self.explained[name] += f", {how[kinds[0]] if kinds else 'along the axes'}"
-        if against[0] < 1e-6:
+        if apart(known[0], slot * numpy.pi / 2) < 1e-6:
             return values
         if kinds == ["along"] and numpy.mean(numpy.sin(place.along[1] - place.along[0])) < 0:  # singular points may differ
             raise InputError(
