@@ -92,5 +92,48 @@ class Region(ImportHere):
         numpy.testing.assert_array_equal(values[active][:, 0].reshape(20, 5).T, file["u"][1][0].astype("f4"))
 
 
+class Nemo(ImportHere):
+    """A file for each component along a turned grid, which says so in a long name; land has the flow 0."""
+
+    def parts(self, land=0.0):
+        file = earth_flows.turned()
+        for name, axis in ("u", "x"), ("v", "y"):
+            file[name][1] = numpy.array(file[name][1])
+            file[name][1][..., :3] = land
+            file[name][2] = {"Unit": "m/s", "long_name": f"sea_water_{axis}_velocity", "coordinates": "nav_lon nav_lat"}
+            part = {key: file[key] for key in ("nav_lon", "nav_lat", "depth", "time", name)}
+            earth_flows.write(self.folder / f"{name}.nc", part)
+
+    def test_long_names(self):
+        self.parts(land=numpy.nan)
+        path, = self.imports("u.nc", "v.nc", "-o", "v.vdb")
+        values, active, _ = velocity_of(path)
+        numpy.testing.assert_allclose(values[active].mean(axis=0), (0.5, 0, 0), atol=2e-3)
+
+    def test_land_that_has_the_flow_0(self):
+        self.parts()
+        done = self.run_tool("vdblic_import", "u.nc", "v.nc", "-o", "v.vdb")
+        self.assertIn("38 % of 'u' are exactly 0; if that is land: --attribute 'u:missing_value=0'", done.stderr)
+        self.assertLess(velocity_of(self.folder / "v.vdb")[0][..., 0].mean(), 0.4)
+        answers = "--attribute", "u:missing_value=0", "v:missing_value=0"
+        path, = self.imports("u.nc", "v.nc", "-o", "v.vdb", *answers)
+        values, active, _ = velocity_of(path)
+        numpy.testing.assert_allclose(values[active].mean(axis=0), (0.5, 0, 0), atol=2e-3)
+        message = self.fails(3, "vdblic_import", "u.nc", "v.nc", "-o", "w.vdb", "--attribute", "u:missing_value=land")
+        self.assertIn("u.nc: the missing_value 'land' of 'u' is no number", message)
+
+    def test_without_standard_names_and_words(self):
+        """Nothing tells whether components of two files are along the grid."""
+        self.parts()
+        message = self.fails(3, "vdblic_import", "u.nc", "v.nc", "-o", "w.vdb", "--attribute", "u:long_name=a", "v:long_name=b")
+        self.assertIn("is 'u' along the grid, which is turned by up to 40", message)
+
+    def test_levels_without_coordinates(self):
+        file = earth_flows.sea()
+        del file["depth"]
+        earth_flows.write(self.folder / "f.nc", file)
+        self.assertIn("the vertical axis 'depth' has no coordinates; add them", self.fails(3, "vdblic_import", "f.nc", "-o", "w.vdb"))
+
+
 if __name__ == "__main__":
     unittest.main()

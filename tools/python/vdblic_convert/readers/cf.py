@@ -182,6 +182,11 @@ class CfFile(Gridded):
         if name not in velocity:
             return values
         slot, unit = velocity.index(name), self.data.text(name, "units")
+        zeros = numpy.count_nonzero(values == 0) / values.size
+        if slot < 2 and 0.05 < zeros < 0.95:
+            self._notes.append(
+                f"{100 * zeros:.0f} % of '{name}' are exactly 0; if that is land: --attribute '{name}:missing_value=0'"
+            )
         role = f"component {'xyz'[slot]}"
         if not (unit and measures(unit, "Pa/s") and slot == 2):
             down = -1 if self.data.text(name, "standard_name").startswith("downward_") else 1

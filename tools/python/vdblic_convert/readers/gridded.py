@@ -166,7 +166,15 @@ class Gridded(Source):
                 if bound is not None:  # of the unpacked values if it is of their type, no whole number
                     packed = numpy.result_type(bound).kind in "iu" or raw is values
                     wrong |= beyond(raw if packed else values, float(bound))
+            if told := variable.attrs.get("missing_value"):  # the user's: xarray takes away the file's
+                wrong |= values == self._number(name, told)
         return numpy.where(wrong, numpy.nan, values).squeeze()
+
+    def _number(self, name, told):
+        try:
+            return float(told)
+        except ValueError:
+            raise InputError(f"{self.path}: the missing_value '{told}' of '{name}' is no number") from None
 
     def place(self, name, step, needed=True):
         """A variable that places others. Raises InputError if it lacks a value, or one where it is `needed`."""
