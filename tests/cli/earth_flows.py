@@ -101,6 +101,36 @@ def turned(angle=0.7, shape=SHAPE):
     return file
 
 
+def tripolar(places, spin=OMEGA, columns=120, rows=96, halo=False):
+    """A rotation on a grid with two north poles, 17 degrees from that of the Earth, which is folded between them.
+
+    Its rows are confocal ellipses about the pole (z = f cosh(x + iy), seen from the south pole by a stereographic
+    projection), so its angles against east are known: those of tanh. `places` are where u and v lie on a cell, counted from
+    its corner in the south-west. With `halo` two columns and a row come twice, as in NEMO. Around the poles is land.
+    """
+    focus, step, files = 0.15, 2 * numpy.pi / columns, []
+    for slot, (name, (x, y)) in enumerate(zip("uv", places)):
+        i, j = numpy.meshgrid(numpy.arange(columns) + x, numpy.arange(rows)[::-1] + 1 - y)
+        if halo:
+            mirror = -i[-1:], j[-1:]
+            i, j = numpy.concatenate([i, mirror[0]]), numpy.concatenate([j, mirror[1]])
+            i, j = (numpy.concatenate([part[:, -1:], part, part[:, :1]], axis=1) for part in (i, j))
+        zeta = step * (j + 1j * i)
+        z, turn = focus * numpy.cosh(zeta), numpy.angle(numpy.tanh(zeta))
+        turn[-1] += numpy.pi * halo  # the row that comes twice runs backwards
+        longitude, latitude = numpy.degrees(numpy.angle(z)), 90 - 2 * numpy.degrees(numpy.arctan(abs(z)))
+        out, east, north = unit_vectors(longitude, latitude)
+        flow = numpy.cross(spin, out) * RADIUS
+        along = (numpy.cos(turn), numpy.sin(turn)) if slot == 0 else (-numpy.sin(turn), numpy.cos(turn))
+        values = (flow * east).sum(-1) * along[0] + (flow * north).sum(-1) * along[1]
+        values[numpy.minimum(abs(z - focus), abs(z + focus)) < 0.06] = numpy.nan
+        files.append({
+            "nav_lon": [("y", "x"), longitude, {"units": "degrees_east"}], "nav_lat": [("y", "x"), latitude, {"units": "degrees_north"}],
+            name: [("y", "x"), values, {"units": "m/s", "standard_name": f"sea_water_{'xy'[slot]}_velocity", "coordinates": "nav_lon nav_lat"}],
+        })  # fmt: skip
+    return files
+
+
 def write(path, file, form="NETCDF4", attributes=None):
     path.unlink(missing_ok=True)  # a reader may still hold the one before
     with netCDF4.Dataset(path, "w", format=form) as data:

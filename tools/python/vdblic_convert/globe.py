@@ -9,7 +9,7 @@ import dataclasses
 import numpy
 
 from .errors import InputError, ParameterError
-from .readers.around import ROUNDED, eastward, goes_around, has_value, spacing, with_poles
+from .readers.around import ROUNDED, closing, directions, eastward, goes_around, has_value, poles_in, spacing, with_poles
 from .readers.earth import RADIUS
 from .resample import flow_at
 from .target import Points, Target
@@ -20,6 +20,7 @@ SPEED, HEIGHT, RIM, SOLID = GRIDS = "speed", "height", "rim", "solid"
 MARGIN = 2  # voxels beyond the data: those of an interpolation across the rim
 LAYER = 3  # voxels of a single layer
 BODY = 3  # voxels of the Earth below the shell: what is deeper, nobody sees
+THICK = 0.05  # of its radius, to both sides, is a single layer of a turned grid: its cells are flat, the Earth is not
 
 
 @dataclasses.dataclass
@@ -84,7 +85,8 @@ class Globe:
     def closed(self, place, z, fields, velocity):
         """Fields (z, y, x[, 3]) continued across the seam, over the poles and beyond the rims; x, y and z in degrees.
 
-        `place` is in degrees, `z` an axis or (z, y, x), `velocity` names components along x, y and z.
+        `place` is in degrees, `z` an axis or (z, y, x), `velocity` names components along x, y and z. On a turned grid,
+        (y, x), x, y and z are Cartesian in world space, and so are the components.
         """
         longitude, latitude, around = place.x, place.y, goes_around(place.x)
         valid = numpy.any([has_value(field) for field in fields.values()], axis=0)
@@ -97,24 +99,32 @@ class Globe:
             latitude = latitude[rows]
             arrays = {name: values[:, rows][:, :, columns] for name, values in arrays.items()}
             latitude, arrays = with_poles(latitude, longitude, arrays, velocity) if around else (latitude, arrays)
-        elif around:
-            turn = 360.0 if longitude[0, -1] > longitude[0, 0] else -360.0
-            wrap = lambda values: numpy.concatenate([values[..., -1:], values, values[..., :1]], axis=-1)
-            longitude, latitude = wrap(longitude), wrap(latitude)
-            longitude[:, 0] -= turn
-            longitude[:, -1] += turn
-            ends = numpy.r_[-1, 0 : place.x.shape[-1], 0]
-            arrays = {name: values[:, :, ends] for name, values in arrays.items()}
+        else:
+            out, *_ = axes = directions(longitude, latitude)
+            arrays = {name: _vectors(values, velocity.index(name), axes) if name in velocity else values
+                      for name, values in arrays.items()}  # fmt: skip
+            rows, columns = closing(out, around)
+            out = out[rows, columns]
+            arrays = {name: values[:, rows, columns] for name, values in arrays.items()}
         if self._extent is None:
+            curved = longitude.ndim > 1
+            south, north = poles_in(out) if curved else (False, False)
             self._extent = Extent(
-                west=longitude.min(), south=latitude.min(), north=latitude.max(), curved=longitude.ndim > 1,
-                width=360.0 if around else numpy.ptp(longitude), spacing=spacing(longitude),
+                west=longitude.min(), south=-90.0 if south else latitude.min(), north=90.0 if north else latitude.max(),
+                width=360.0 if around or south or north else numpy.ptp(longitude), curved=curved,
+                spacing=_median_step(out) if curved and not around else spacing(longitude),
                 low=heights.min(), high=heights.max(),
             )  # fmt: skip
         z = arrays.pop("", z)
         if self._margin and len(z) > 1:
             z, arrays = self._continued(z, arrays)
-        return longitude, latitude, z * self._degrees, arrays
+        if longitude.ndim == 1:
+            return longitude, latitude, z * self._degrees, arrays
+        radius = R + (self.exaggeration or 1.0) * z.reshape(*z.shape, *[1] * (3 - z.ndim)) / UNIT
+        if len(z) == 1:
+            radius = numpy.concatenate([radius * (1 - THICK), radius * (1 + THICK)])
+            arrays = {name: numpy.repeat(values, 2, axis=0) for name, values in arrays.items()}
+        return *(radius * part for part in numpy.moveaxis(out, -1, 0)), arrays
 
     @staticmethod
     def lacks_degrees(path):
@@ -174,14 +184,22 @@ class Globe:
         flows, extent = numpy.flatnonzero(radius >= self._bottom), self._extent
         height = (radius - R) / self.exaggeration * UNIT
         query = numpy.full(len(height), extent.low) if extent.low == extent.high else height
-        at = numpy.stack([longitude, latitude, query * self._degrees], axis=1)[flows]
-        flow, carried, mask, met, _ = flow_at(
-            source, step, names, carry, lambda _: Points((len(flows), 1, 1), numpy.eye(4), at=at), where
-        )
+        out, *_ = axes = directions(longitude[flows], latitude[flows])
+        if extent.curved:
+            at = out * (R + self.exaggeration * query[flows] / UNIT)[:, None]
+        else:
+            at = numpy.stack([longitude, latitude, query * self._degrees], axis=1)[flows]
+        points, seen = Points((len(flows), 1, 1), numpy.eye(4), at=at), []
+        flow, carried, mask, met, _ = flow_at(source, step, names, carry, lambda f: seen.append(f) or points, where)
         known = numpy.ravel(mask)
-        flow, there = flow.reshape(-1, 3)[known].astype(float), flows[known]
+        flow, there, axes = flow.reshape(-1, 3)[known].astype(float), flows[known], [axis[known] for axis in axes]
+        if extent.curved:
+            flow = numpy.stack([(flow * axes[i]).sum(axis=1) for i in (1, 2, 0)], axis=1)
+            for slot, name in enumerate(names):
+                if name in carried:
+                    carried[name][mask] = flow[:, slot, None]
         speed = numpy.linalg.norm(flow, axis=1)
-        world = self._cartesian(flow, longitude[there], latitude[there], radius[there], query[there])
+        world = self._cartesian(flow, axes, radius[there], query[there])
         inside = numpy.minimum(radius - self._low, self._high - radius)[there]
         scalars = {SPEED: (speed, "m/s"), RIM: (inside, "Mm")}
         if extent.low < extent.high:
@@ -193,8 +211,10 @@ class Globe:
         for name, values in carried.items():
             grids[name] = self._spread(values[mask] if values.shape[3] > 1 else values[mask][:, 0], there), active, {}
         solid = radius < self._low  # hides the lower margin
-        if not extent.curved:  # there is no telling land from what lies beyond a turned grid
-            solid[flows] |= ~known & (radius[flows] <= self._high)
+        empty = numpy.flatnonzero(~known & (radius[flows] <= self._high))
+        if extent.curved:  # it has land where it has cells, while one along meridians fills its extent
+            empty = empty[seen[0].holds(Points((len(empty), 1, 1), numpy.eye(4), at=at[empty]))]
+        solid[flows[empty]] = True
         is_solid = numpy.asarray(self._spread(solid, slice(None)))
         grids[SOLID] = is_solid, is_solid, {"class": "fog volume"}
         east, north = flow[:, :2].mean(axis=0) if len(flow) else (0, 0)
@@ -204,18 +224,11 @@ class Globe:
     def metadata(self):
         return {"length_unit": "Mm", "exaggeration": float(self.exaggeration)}
 
-    def _cartesian(self, flow, longitude, latitude, radius, height):
+    def _cartesian(self, flow, axes, radius, height):
         """World units a second from m/s eastward, northward and upward: angular speeds stay, heights grow E-fold."""
-        east, north, up = flow.T
-        stretch = radius / (RADIUS + height)
-        east, north, up = east * stretch, north * stretch, up * self.exaggeration / UNIT
-        cos_lon, sin_lon = (wave(numpy.radians(longitude)) for wave in (numpy.cos, numpy.sin))
-        cos_lat, sin_lat = (wave(numpy.radians(latitude)) for wave in (numpy.cos, numpy.sin))
-        outward = up * cos_lat - north * sin_lat
-        return numpy.stack(
-            [outward * cos_lon - east * sin_lon, outward * sin_lon + east * cos_lon, north * cos_lat + up * sin_lat],
-            axis=1,
-        )
+        out, east, north = axes
+        stretch = (radius / (RADIUS + height))[:, None]
+        return stretch * (flow[:, :1] * east + flow[:, 1:2] * north) + self.exaggeration / UNIT * flow[:, 2:] * out
 
     def _box_around(self):
         """The box of voxels around the part of the shell that the data cover."""
@@ -256,6 +269,19 @@ class Globe:
 
     def _spread(self, values, which):
         return Spread(values, self._index[which], self._box.size)
+
+
+def _vectors(field, slot, axes):
+    """Cartesian vectors of a component (z, y, x), or of one eastward, northward and upward, (z, y, x, 3)."""
+    out, east, north = axes
+    if field.ndim == 3:
+        return (field[..., None] * (east, north, out)[slot]).astype(numpy.float32)
+    return (field[..., :1] * east + field[..., 1:2] * north + field[..., 2:] * out).astype(numpy.float32)
+
+
+def _median_step(out):
+    """The spacing of columns, in degrees, of directions (y, x, 3)."""
+    return float(numpy.degrees(numpy.median(numpy.linalg.norm(numpy.diff(out, axis=1), axis=2))))
 
 
 def _rounded_down(number):

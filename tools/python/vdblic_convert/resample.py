@@ -69,6 +69,12 @@ class Flow:
             mask = mask & numpy.isfinite(volume).all(axis=3)
         return volumes, mask, met
 
+    def holds(self, points):
+        """Whether places are in the data's cells, also in those without a value."""
+        dataset = vtk.shallow_copy(self._dataset)
+        dataset.GetPointData().Initialize()
+        return numpy.ravel(_probed(dataset, (), points)[1])
+
     def _copied(self, target):
         """The voxels of images that lie on a grid."""
         mask, volumes = numpy.zeros(target.size, bool), []
@@ -180,8 +186,7 @@ def _probed(dataset, names, target):
     dataset = vtk.shallow_copy(dataset)
     vtk.hide_cells_of_hidden_points(dataset)
     vtk.add_array(dataset.GetCellData(), CELL, numpy.arange(dataset.GetNumberOfCells(), dtype=float))
-    if isinstance(target, Points) and dataset.IsA("vtkRectilinearGrid"):
-        dataset, target = _by_index(dataset, target)
+    dataset, target = _by_index(dataset, target)
     probe = vtk.filters.vtkProbeFilter()
     probe.SetSourceData(dataset)
     probed = vtk.output_of(probe, _vtk_grid(target))
@@ -195,17 +200,53 @@ def _probed(dataset, names, target):
     return values, mask, len(numpy.unique(value_of(CELL)[mask])) / max(seen, 1)
 
 
-def _by_index(grid, points):
-    """A rectilinear grid as an image on its indices, and the points there: along uneven axes VTK searches step by step."""
+def _by_index(grid, target):
+    """A grid of straight columns as an image on its indices, and the places there: others VTK searches step by step."""
+    if grid.IsA("vtkRectilinearGrid") and isinstance(target, Points):
+        at = []
+        for places, letter in zip(target.at.T, "XYZ"):
+            axis = vtk.bridge.vtk_to_numpy(getattr(grid, f"Get{letter}Coordinates")())
+            at.append(numpy.interp(places, axis, numpy.arange(len(axis)), left=-1, right=-1))
+    elif not grid.IsA("vtkStructuredGrid") or (at := _in_columns(grid, target)) is None:
+        return grid, target
     image = vtk.model.vtkImageData()
     image.SetDimensions(*vtk.dimensions_of(grid))
     image.GetPointData().ShallowCopy(grid.GetPointData())
     image.GetCellData().ShallowCopy(grid.GetCellData())
-    at = []
-    for places, letter in zip(points.at.T, "XYZ"):
-        axis = vtk.bridge.vtk_to_numpy(getattr(grid, f"Get{letter}Coordinates")())
-        at.append(numpy.interp(places, axis, numpy.arange(len(axis)), left=-1, right=len(axis)))
-    return image, Points(points.size, points.matrix, at=numpy.stack(at, axis=1))
+    return image, Points(target.size, target.matrix, at=numpy.stack(at, axis=1))
+
+
+def _in_columns(grid, target):
+    """The three indices of places in a grid of columns along z, or along the radius; None if its columns are others."""
+    shape = vtk.dimensions_of(grid)[::-1]
+    points = vtk.bridge.vtk_to_numpy(grid.GetPoints().GetData()).reshape(*shape, 3)
+    if 1 in shape:
+        return None
+    at, radius = target.centres(), numpy.linalg.norm(points[:, 0, 0], axis=-1)
+    if (points[..., :2] == points[0, ..., :2]).all() and (points[..., 2] == points[:, :1, :1, 2]).all():
+        once = numpy.prod(target.size[:2]) if target.along_axes() else len(at)  # a column of voxels has one place
+        levels, height, times = points[:, 0, 0, 2], at[:, 2], len(at) // once
+        surface, where = points[:1] * (1, 1, 0), at[:once] * (1, 1, 0)
+    elif radius.min() > 0 and numpy.abs(points / radius[:, None, None, None] - points[0] / radius[0]).max() < 1e-9:
+        levels, height, times = radius, numpy.linalg.norm(at, axis=1), 1
+        surface, where = points[0] / radius[0] * [[[[0.95]]], [[[1.05]]]], at / height[:, None]  # thick: it is curved
+    else:
+        return None
+    rows, columns = numpy.indices(surface.shape[1:3], float)
+    layer = vtk.model.vtkStructuredGrid()
+    layer.SetDimensions(*surface.shape[2::-1])
+    corners = vtk.core.vtkPoints()
+    corners.SetData(vtk.bridge.numpy_to_vtk(surface.reshape(-1, 3), deep=True))
+    layer.SetPoints(corners)
+    for name, index in ("row", rows), ("column", columns):
+        vtk.add_array(layer.GetPointData(), name, numpy.tile(index.ravel(), len(surface)))
+    probe = vtk.filters.vtkProbeFilter()
+    probe.SetSourceData(layer)
+    found = vtk.output_of(probe, _vtk_grid(Points(target.size, target.matrix, at=where)))
+    there = vtk.array(found, probe.GetValidPointMaskArrayName())[0] != 0
+    at = [numpy.tile(numpy.where(there, vtk.array(found, name)[0], -1), times) for name in ("column", "row")]
+    order = numpy.argsort(levels)
+    return [*at, numpy.interp(height, levels[order], order.astype(float), left=-1, right=-1)]
 
 
 def _vtk_grid(target):

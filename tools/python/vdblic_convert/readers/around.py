@@ -19,6 +19,42 @@ def goes_around(longitude):
     return len(row) > 2 and abs(row[-1] - row[0]) + 1.5 * spacing(row) >= 360
 
 
+def directions(longitude, latitude):
+    """Unit vectors (..., 3) outward, eastward and northward at places in degrees."""
+    lon, lat = numpy.radians(longitude), numpy.radians(latitude)
+    cos_lon, sin_lon, cos_lat, sin_lat = numpy.cos(lon), numpy.sin(lon), numpy.cos(lat), numpy.sin(lat)
+    return (numpy.stack([cos_lat * cos_lon, cos_lat * sin_lon, sin_lat], axis=-1),
+            numpy.stack([-sin_lon, cos_lon, 0 * lat], axis=-1),
+            numpy.stack([-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat], axis=-1))  # fmt: skip
+
+
+def poles_in(point):
+    """Whether the south and the north pole may lie in a cell of a grid of directions (y, x, 3)."""
+    steps = [numpy.linalg.norm(numpy.diff(point, axis=axis), axis=2).max(initial=0) for axis in (0, 1)]
+    return tuple(numpy.linalg.norm(point - (0, 0, pole), axis=2).min() <= max(steps) for pole in (-1, 1))
+
+
+def closing(point, around):
+    """The rows and columns that close a grid of directions (y, x, 3), as indices (y, x) each.
+
+    A grid that goes around has its first column again after the last. Where its first or last row is folded, so that
+    one half lies along the other, as between the two north poles of ocean models, that row follows once more, turned.
+    """
+    count = point.shape[1]
+    columns = numpy.arange(count + around) % count
+    rows, order = list(range(len(point))), [columns] * len(point)
+    for end, next_to in ((0, 1), (len(point) - 1, len(point) - 2)) if around and len(point) > 1 else ():
+        row, step = point[end], numpy.linalg.norm(point[end] - point[next_to], axis=1)
+        for pivot in numpy.flatnonzero(numpy.linalg.norm(row - row[0], axis=1) <= 1.5 * step[0]):
+            across = numpy.linalg.norm(row - row[(pivot - numpy.arange(count)) % count], axis=1)
+            if (across <= 1.5 * step).all() and (across > 0.01 * step).any():
+                at = 0 if end == 0 else len(rows)
+                rows.insert(at, end)
+                order.insert(at, (pivot - columns) % count)
+                break
+    return numpy.repeat(numpy.array(rows)[:, None], len(columns), axis=1), numpy.array(order)
+
+
 def eastward(longitude, around):
     """Longitudes from west to east, those around the Earth from 0 on with a column more at both ends; and the columns."""
     if not around:

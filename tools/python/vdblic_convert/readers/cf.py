@@ -108,7 +108,7 @@ class CfFile(Gridded):
         if relative in ("0", "1"):  # GRIB's own word; its y runs northwards, however the rows are stored
             kinds = ["along" if relative == "1" else "eastward"]
             place.along = place.along and (place.along[0], place.along[0] + numpy.pi / 2)
-        if not kinds and name in velocity and self._fields[velocity[0]] != self._fields[velocity[1]]:
+        if not kinds and name in velocity and len({self._fields[n] for n in velocity[:2] if n in self._fields}) > 1:
             kinds = ["along"]  # on the faces of cells
         turns = {kind: getattr(place, kind) for kind in kinds or ("eastward", "along")}
         if kinds and turns[kinds[0]] is None:
@@ -118,18 +118,19 @@ class CfFile(Gridded):
                 f"'{name}:standard_name={'xy'[slot]}_wind'"
             )
         known = [turn[slot] for turn in turns.values() if turn is not None]
-        against = [numpy.abs(numpy.angle(numpy.exp(1j * (angle - slot * numpy.pi / 2)))).max() for angle in known]
-        if not kinds and max(against) > TURNED:
+        apart = lambda angle, other: numpy.abs(numpy.angle(numpy.exp(1j * (angle - other)))).max()
+        turned = apart(known[0], known[-1])
+        if not kinds and turned > TURNED:
             raise InputError(
-                f"{self.path}: is '{name}' along the grid, which is turned by up to {numpy.degrees(max(against)):.3g} "
+                f"{self.path}: is '{name}' along the grid, which is turned by up to {numpy.degrees(turned):.3g} "
                 f"degrees against east and north, or along those? say it: --attribute '{name}:standard_name="
                 f"{'xy'[slot]}_wind' or '{name}:standard_name={('east', 'north')[slot]}ward_wind'"
             )
         how = {"along": "along the grid", "eastward": ("eastward", "northward")[slot]}
         self.explained[name] += f", {how[kinds[0]] if kinds else 'along the axes'}"
-        if against[0] < 1e-6:
+        if apart(known[0], slot * numpy.pi / 2) < 1e-6:
             return values
-        if kinds == ["along"] and numpy.any(numpy.sin(place.along[1] - place.along[0]) < 0):
+        if kinds == ["along"] and numpy.mean(numpy.sin(place.along[1] - place.along[0])) < 0:  # singular points may differ
             raise InputError(
                 f"{self.path}: '{name}' is along a grid whose rows run the other way round than its columns; say how "
                 f"it is directed: --attribute '{name}:standard_name={('east', 'north')[slot]}ward_wind', or turn the "
@@ -181,6 +182,11 @@ class CfFile(Gridded):
         if name not in velocity:
             return values
         slot, unit = velocity.index(name), self.data.text(name, "units")
+        zeros = numpy.count_nonzero(values == 0) / values.size
+        if slot < 2 and 0.05 < zeros < 0.95:
+            self._notes.append(
+                f"{100 * zeros:.0f} % of '{name}' are exactly 0; if that is land: --attribute '{name}:missing_value=0'"
+            )
         role = f"component {'xyz'[slot]}"
         if not (unit and measures(unit, "Pa/s") and slot == 2):
             down = -1 if self.data.text(name, "standard_name").startswith("downward_") else 1

@@ -2,6 +2,8 @@
 
 import numpy
 
+from ..errors import needed
+
 RADIUS = 6_371_229.0  # m, of the sphere that weather models use
 GRAVITY = 9.80665  # m/s²
 GAS_CONSTANT = 287.05  # J/(kg K), of dry air
@@ -32,6 +34,17 @@ def local_plane(longitude, latitude, middle=None, unordered=False):
     x = RADIUS * scale * numpy.radians(longitude - middle[0])
     y = RADIUS * numpy.radians(latitude - middle[1])
     return x, y, scale / max(numpy.cos(numpy.radians(numpy.abs(latitude).max())), 1e-3), middle
+
+
+def projected(longitude, latitude, middle):
+    """Metres on a plane that touches the Earth in its middle, by the stereographic projection, from degrees (y, x).
+
+    Returns x, y, by how much meridians are turned there against y [radians, counter-clockwise], and by what factor lengths
+    are too long at most. Angles are true, and so are great circles through the middle, which are straight.
+    """
+    plane = needed("pyproj").Proj(proj="stere", lon_0=middle[0], lat_0=middle[1], R=RADIUS)
+    factors = plane.get_factors(longitude, latitude)
+    return *plane(longitude, latitude), numpy.radians(factors.meridian_convergence), factors.meridional_scale.max()
 
 
 def standard_atmosphere(pressure):

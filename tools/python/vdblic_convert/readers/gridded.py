@@ -49,11 +49,14 @@ class Data:
 
     def text(self, name, attribute):
         """An attribute, in whatever letters its name is; empty if there is none. Raises InputError for two of them."""
-        found = {str(value).strip() for key, value in self.attrs(name).items() if key.lower() == attribute}
+        keys = (attribute, "unit") if attribute == "units" else (attribute,)
+        found = {str(value).strip() for key, value in self.attrs(name).items() if key.lower() in keys}
         if len(found) > 1:
             raise InputError(f"{self.path}: '{name}' has several attributes '{attribute}': {', '.join(sorted(found))}")
         value = found.pop() if found else ""
         if attribute == "standard_name":
+            if not value and any(re.fullmatch(kind, self.text(name, "long_name")) for kind in COMPONENTS):
+                value = self.text(name, "long_name")  # as NEMO has it
             value = value.lower().replace("ocean_sigma/general_coordinate", "ocean_sigma_coordinate")  # as FVCOM has it
         return value
 
@@ -163,7 +166,15 @@ class Gridded(Source):
                 if bound is not None:  # of the unpacked values if it is of their type, no whole number
                     packed = numpy.result_type(bound).kind in "iu" or raw is values
                     wrong |= beyond(raw if packed else values, float(bound))
+            if told := variable.attrs.get("missing_value"):  # the user's: xarray takes away the file's
+                wrong |= values == self._number(name, told)
         return numpy.where(wrong, numpy.nan, values).squeeze()
+
+    def _number(self, name, told):
+        try:
+            return float(told)
+        except ValueError:
+            raise InputError(f"{self.path}: the missing_value '{told}' of '{name}' is no number") from None
 
     def place(self, name, step, needed=True):
         """A variable that places others. Raises InputError if it lacks a value, or one where it is `needed`."""

@@ -102,7 +102,12 @@ def vertical(source, field, dimensions, step, there):
         return z, pressure
     if z is not None:
         return z, None
-    if axis not in data.variables or unit and not measures(unit, "m"):
+    if axis not in data.variables:
+        raise InputError(
+            f"{source.path}: the vertical axis '{axis}' has no coordinates; add them, as a variable '{axis}' in metres with "
+            "positive: up or down"
+        )
+    if unit and not measures(unit, "m"):
         raise InputError(
             f"{source.path}: the vertical axis '{axis}' ({unit or 'no unit'}) is neither a height, a depth nor a "
             "pressure, and there is no geopotential; add a variable with the standard_name geopotential_height, or say "

@@ -180,7 +180,8 @@ class MeshFile(Gridded):
         keep = numpy.ptp(x[self._triangles], axis=1) < 180
         if not keep.all():
             self._notes.append(f"{numpy.count_nonzero(~keep)} triangles across {first:.4g} degrees are left out")
-        x, y, _, self.middle = local_plane(x, y, self.middle, unordered=True)
+        x, y, _, middle = local_plane(x, y, self.middle and self.middle[:2], unordered=True)
+        self.middle = self.middle or (*middle, False)
         return x, y, keep
 
     def _heights(self, step, place, levels, x, y):

@@ -5,11 +5,10 @@ import re
 import numpy
 
 from ..errors import InputError
-from .earth import local_plane
 from .gridded import EASTWARD, Gridded
 from .grids import grid_of
 from .heights import TERMS, by_formula
-from .place import Place, angles, ordered
+from .place import Place, angles, on_plane, ordered
 
 PLACES = (("lon_rho", "lat_rho"), "degree"), (("x_rho", "y_rho"), "m")
 FACES = {1: r"(eta|y)_(v|psi)", 2: r"(xi|x)_(u|psi)"}  # names of dimensions on the faces, by axis of a field
@@ -49,14 +48,15 @@ class OceanFile(Gridded):
 
     def _read(self, step, names, velocity):
         water = self._water(step)
-        x, y, columns, turn = self._horizontal(step, water)
+        x, y, columns, turn, north = self._horizontal(step, water)
         fields = {name: self._centred(name, step, water)[..., columns] for name in names}
         for name in names:
             slot = velocity.index(name) if name in velocity else (self.vector_of(name) or (None, 2))[1]
             if name in velocity:
                 fields[name] = self.in_unit(name, fields[name], "m/s", "m/s", f"component {'xyz'[slot]}")
-            if slot < 2 and not re.fullmatch(EASTWARD, self.data.text(name, "standard_name")):
-                fields[name] = self.along(name, fields[name], turn + slot * numpy.pi / 2)
+            is_east = re.fullmatch(EASTWARD, self.data.text(name, "standard_name"))
+            if slot < 2 and not (is_east and north is None):
+                fields[name] = self.along(name, fields[name], (north if is_east else turn) + slot * numpy.pi / 2)
         z = by_formula(self, self._levels, step, water, METRES)[0][..., columns] if self._levels else numpy.zeros(1)
         if self.globe:
             if self._unit != "degree":
@@ -136,19 +136,20 @@ class OceanFile(Gridded):
         return numpy.where(water, values, numpy.nan)
 
     def _horizontal(self, step, water):
-        """x and y, the order of columns, and how far the grid is turned against x [radians]."""
+        """x and y, the order of columns, and how far the grid, and east on a projected plane, are turned against x [radians]."""
         unit = self._unit
         x, y = (self.in_unit(name, self.place(name, step), unit, unit, "the cells' place") for name in self._place)
-        columns, turn = numpy.arange(x.shape[1]), None
+        columns, turn, north = numpy.arange(x.shape[1]), None, None
         if unit == "degree":
             x, columns = ordered(x)
             y = y[:, columns]
             turn = angles(x, y)[0]
             if not self.globe:
-                x, y, _, self.middle = local_plane(x, y, self.middle)
+                x, y, self.middle, north, told = on_plane(x, y, self.middle)
+                self._notes.extend(told)
         if "angle" in self.data.variables:
             turn = self.place("angle", step, water)[:, columns]
             turn = self.in_unit("angle", turn, "radian", "radian", "how the grid is turned")
         elif turn is None:
             turn = numpy.arctan2(numpy.gradient(y, axis=1), numpy.gradient(x, axis=1))
-        return x, y, columns, turn
+        return x, y, columns, turn if north is None else turn + north, north

@@ -7,7 +7,8 @@ import numpy
 
 from ..errors import InputError, needed
 from ..units import measures
-from .earth import local_plane
+from .around import directions, goes_around
+from .earth import local_plane, projected
 
 LONGITUDE, LATITUDE = r"degrees?_?(east|e)", r"degrees?_?(north|n)"
 STANDARD = {
@@ -22,6 +23,8 @@ NAMES = {  # prefixes of axis names, for axes without attributes
     "Z": r"z|dep|lev|height|alt|pres|plev|isobaric|k\b|st_ocean|sw_ocean|bottom_top|s_rho|s_w|sig|level",
 }
 PARAMETERS = "standard_parallel|scale_factor|(latitude|longitude)_of_(projection|central)|straight|grid_north|azimuth"
+RIGHT = 1.01  # a factor of lengths that nobody needs to be told
+STRAIGHT = 1.05  # the same that the plane along meridians may have, on which values stay as they are
 TURNED = 0.005  # rad: a grid that is turned by less lies along the meridians
 
 
@@ -95,16 +98,16 @@ def ordered(longitude):
 def angles(longitude, latitude):
     """Directions, against east, of a grid's rows and columns, at its points (y, x); degrees to radians.
 
-    They follow chords through the sphere; along meridians and parallels of any pole these are the tangents.
+    They follow chords through the sphere, also across a seam; along meridians and parallels of any pole these are the
+    tangents.
     """
-    lon, lat = numpy.radians(longitude), numpy.radians(latitude)
-    point = numpy.cos(lat) * numpy.cos(lon), numpy.cos(lat) * numpy.sin(lon), numpy.sin(lat)
+    out, east, north = directions(longitude, latitude)
+    seam = int(goes_around(longitude))
+    wide = numpy.concatenate([out[:, -1:], out, out[:, :1]], axis=1) if seam else out
     turns = []
-    for axis in -1, -2:
-        x, y, z = (numpy.gradient(part, axis=axis, edge_order=min(2, part.shape[axis] - 1)) for part in point)
-        east = y * numpy.cos(lon) - x * numpy.sin(lon)
-        north = z * numpy.cos(lat) - (x * numpy.cos(lon) + y * numpy.sin(lon)) * numpy.sin(lat)
-        turns.append(numpy.arctan2(north, east))
+    for axis in 1, 0:
+        along = numpy.gradient(wide, axis=axis, edge_order=min(2, wide.shape[axis] - 1))[:, seam : seam + out.shape[1]]
+        turns.append(numpy.arctan2((along * north).sum(axis=-1), (along * east).sum(axis=-1)))
     return tuple(turns)
 
 
@@ -163,6 +166,14 @@ def _on_earth(source, longitude, latitude, names):
     if longitude.ndim == 2:
         latitude = latitude[:, columns]
         turn = angles(longitude, latitude)
+    elif names[0] not in source.explained:
+        for name, values in zip(names, (longitude, latitude)):
+            source.explain(name, "an axis on the Earth", "degrees", values)
+    if source.globe:
+        return Place(longitude, latitude, columns, torn, (0.0, numpy.pi / 2), turn, True)
+    x, y, source.middle, north, told = on_plane(longitude, latitude, source.middle)
+    source.notes().extend(told)
+    if longitude.ndim == 2 and north is None:
         torn = numpy.zeros(longitude.shape, bool)
         for axis in 0, 1:
             apart = numpy.abs(numpy.diff(longitude, axis=axis)) > 120
@@ -170,17 +181,33 @@ def _on_earth(source, longitude, latitude, names):
         if torn.any():
             count = numpy.count_nonzero(torn)
             source.notes().append(f"{count} points by a pole are left out: the plane tears their cells")
-    elif names[0] not in source.explained:
-        for name, values in zip(names, (longitude, latitude)):
-            source.explain(name, "an axis on the Earth", "degrees", values)
-    if source.globe:
-        return Place(longitude, latitude, columns, torn, (0.0, numpy.pi / 2), turn, True)
-    x, y, stretch, source.middle = local_plane(longitude, latitude, source.middle)
-    if stretch > 1.05:
-        source.notes().append(
-            f"on the plane, lengths from west to east are too long by a factor of up to {stretch:.3g}"
-        )
-    return Place(x, y, columns, torn, (0.0, numpy.pi / 2), turn)
+    north = 0.0 if north is None else north
+    return Place(x, y, columns, torn, (north, north + numpy.pi / 2), (turn[0] + north, turn[1] + north))
+
+
+def on_plane(longitude, latitude, middle=None):
+    """Metres from a middle, of degrees: axes along the meridians where lengths are then right, else projected, (y, x).
+
+    The middle is a longitude, a latitude, and whether the plane is projected, by default of the data. Returns x, y, the
+    middle, how meridians are turned against y if it is projected [radians], else None, and what to tell.
+    """
+    x, y, stretch, own = local_plane(longitude, latitude, middle and middle[:2])
+    if not middle:
+        out = directions(*(numpy.meshgrid(longitude, latitude) if longitude.ndim == 1 else (longitude, latitude)))[0]
+        centre = out.mean(axis=(0, 1))
+        centre /= numpy.linalg.norm(centre)
+        middle = *own, stretch > STRAIGHT and not goes_around(longitude) and (out @ centre).min() > 0
+        if middle[2]:
+            middle = numpy.degrees(numpy.arctan2(centre[1], centre[0])), numpy.degrees(numpy.arcsin(centre[2])), True
+    if not middle[2]:
+        told = f"on the plane, lengths from west to east are too long by a factor of up to {stretch:.3g}; --globe has true ones"
+        return x, y, middle, None, [told] * bool(stretch > RIGHT)
+    if longitude.ndim == 1:
+        longitude, latitude = numpy.meshgrid(longitude, latitude)
+    x, y, north, factor = projected(longitude, latitude, middle)
+    told = f"the plane is a stereographic projection about {middle[0]:.4g} degrees east, {middle[1]:.4g} degrees north"
+    told += f", in which lengths are too long by a factor of up to {factor:.3g}" * bool(factor > RIGHT)
+    return x, y, middle, north, [told]
 
 
 def _longitude_latitude(source, field, dimensions):
