@@ -106,6 +106,17 @@ class Sphere(GlobeTest):
             self.assertGreater(by_line.sum(), 100)
             self.assertLess(abs(values - numpy.cross(OMEGA, at))[by_line].max(), 1e-3 * abs(values).max())
 
+    def test_components_between_each_others_columns(self):
+        """There is no gap at the seam, whichever columns come first there."""
+        longitude, latitude = whole()
+        for first, shift in (0.0, 1.5), (1.5, -1.5):
+            file, other = wind(longitude + first, latitude), wind(longitude + first + shift, latitude)
+            file["lon_v"] = [("lon_v",), *other["lon"][1:]]
+            file["v"] = [(*file["v"][0][:-1], "lon_v"), *other["v"][1:]]
+            _, active, at = self.assert_rotates(self.globe(file, "--voxel-size", 0.08), 70)
+            radius = numpy.linalg.norm(at, axis=-1)
+            self.assertTrue(active[(radius > 6.371229) & (radius < 6.371229 + 0.63)].all())
+
     def test_rows_at_the_poles(self):
         longitude, _ = whole()
         self.assert_rotates(self.globe(wind(longitude, numpy.arange(-90, 90.1, 3)), "--voxel-size", 0.15), 70)

@@ -110,7 +110,8 @@ class Globe:
             curved = longitude.ndim > 1
             south, north = poles_in(out) if curved else (False, False)
             self._extent = Extent(
-                west=longitude.min(), south=-90.0 if south else latitude.min(), north=90.0 if north else latitude.max(),
+                west=0.0 if around else longitude.min(), south=-90.0 if south else latitude.min(),
+                north=90.0 if north else latitude.max(),
                 width=360.0 if around or south or north else numpy.ptp(longitude), curved=curved,
                 spacing=_median_step(out) if curved and not around else spacing(longitude),
                 low=heights.min(), high=heights.max(),
