@@ -184,6 +184,7 @@ void makeFilm(const FilmParams& params, Reporter& reporter)
     const OutputLock claim(output.parent_path() / fmt::format(".{}.lock", output.filename().string()), output);
     SequenceInfoParams inspection;
     inspection.flow.input = params.input;
+    inspection.flow.observer = params.observer;
     inspection.values = true;
     const FilmPlan plan = planFilm(params, inspectSequence(inspection, reporter));
     for (const std::string& note : plan.notes)
@@ -225,7 +226,7 @@ Parameters parametersOf(FilmParams& params)
     Parameter look = parameter("look", "Look of the pictures; by default streaks, of dense textures flow.", params.look,
                                {.words = "NAME"});
     look.choices = lookPresetNames();
-    return {
+    const Parameters own = {
         *find(sequence, "input"),
         parameter("output", "Film, .mp4, or still of the middle frame, .png.", params.output,
                   {.option = "-o,--output", .isRequired = true}),
@@ -253,6 +254,7 @@ Parameters parametersOf(FilmParams& params)
         parameter("method", "Streaks show which way the flow goes, a dense texture fills every voxel.", params.method,
                   {.words = "NAME"}),
     };
+    return joined({own, parametersOf(params.observer)});
 }
 
 bool FilmParams::isStill() const
@@ -276,6 +278,7 @@ void FilmParams::validate() const
     FilmParams copy = *this;
     checkLimits(parametersOf(copy));
     checkExtension(output, {".mp4", ".png"});
+    observer.validate();
     if (input.pattern == "-")
         throw ParameterError("paths on standard input cannot be planned; name a file or a pattern");
     if (!look.empty()) (void)lookPreset(look);
