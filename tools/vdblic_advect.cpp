@@ -21,6 +21,7 @@ int main(int argc, char** argv)
                    {"velocity", "velocity_unit", "velocity_scale", "frame_spacing", "fps", "motion", "voxels_per_frame",
                     "non_finite"}},
                   {"Domain", {"mask", "box", "world_box"}},
+                  {"Observer", {"frame_velocity", "frame_rotation", "frame_axis", "frame_point", "stay"}},
                   {"Run", {"json", "resume", "restart", "keep_checkpoint"}},
                   {cli::kExpertGroup,
                    {"release_window", "sample_spacing", "tolerance", "sharpen", "noise_share", "interpolation",
@@ -28,7 +29,7 @@ int main(int argc, char** argv)
     tool.reads([&] { return std::vector<SequenceParams>{params.flow.input}; });
     constexpr double kInFiles = 6; // frames of velocity and the state
     tool.usesScratch(kInFiles, [&] { return params.output; });
-    cli::JoinedNumbers arguments(argc, argv, {"--refine", "--spacing"});
+    cli::JoinedNumbers arguments(argc, argv, {"--refine", "--spacing", "--frame-velocity"});
     return tool.run(arguments.count(), arguments.arguments(), [&](Reporter& reporter) {
         advectSequence(params, tool.standardInput(), reporter, *ranks.exchange);
     });

@@ -1,3 +1,4 @@
+#include "cli/joined_numbers.h"
 #include "cli/tool.h"
 #include "vdblic/film/film.h"
 
@@ -8,7 +9,8 @@ int main(int argc, char** argv)
     tool.options(parametersOf(params));
     constexpr double kInFiles = 8; // bricks and light of a texture, or frames of velocity and the state
     tool.usesScratch(kInFiles, [&] { return params.output; });
-    return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
+    vdblic::cli::JoinedNumbers arguments(argc, argv, {"--frame-velocity"});
+    return tool.run(arguments.count(), arguments.arguments(), [&](vdblic::Reporter& reporter) {
         warnOfOtherNumbers(params.input, reporter);
         makeFilm(params, reporter);
     });

@@ -38,6 +38,8 @@ LEGAL = {
     "--dt": set(),
     "--velocity-scale": {"-1"},
     "--preroll": {"0"},
+    "--frame-velocity": {"0", "-1"},
+    "--frame-rotation": {"0", "-1"},
     "--checkpoint-every": {"0"},
     "--lead-in": {"0"},
     "--times": {"0", "-1", "99999999999999999999"},

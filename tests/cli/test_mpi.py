@@ -96,6 +96,14 @@ class Ranks(ToolTest):
     def test_a_steady_field_in_slow_motion(self):
         self.compare([3], str(WAKE) % 2, "--steady-frames", 3, "--voxels-per-frame", 1, "--preroll", 0)
 
+    def test_observers(self):
+        """Each rank reads the part of a frame that its part of the observer's voxels passes."""
+        moving = WAKE, "--frames", "2-4", "--lead-in", 0, "--preroll", 1
+        self.compare([2, 5], *moving, "--frame-velocity", "mean", "--refine", "2,1,1", "--with", "vorticity")
+        self.compare([3], *moving, "--frame-velocity", 0.3, 0, 0, "--frame-rotation", 20, "--frame-axis", 0, 1, 3,
+                     "--method", "streaks", "--bbox-world", 0, 0, 0, 0.2, 0.1, 0.1, "--dt", 0.05)
+        self.compare([2], *moving, "--frame-velocity", 0.3, 0, 0, "--carry", "velocity", "--stay")
+
     def test_carried_grids(self):
         self.compare([3], WAKE, "--frames", "1-2", "--refine", "2,1,1", "--carry", "velocity", "--preroll", 0)
 

@@ -352,16 +352,18 @@ class Resume(ToolTest):
             "--seed": 2, "--preroll": 3, "--release-window": 0.5, "--sample-spacing": 0.4, "--tolerance": 0.1,
             "--sharpen": 2, "--noise-share": 0.2, "--texture-name": "smoke", "--refine": 2,
             "--precision": "float", "--compression": "none", "--scalars": "texture", "--substeps": 2,
-            "--interpolation": "cubic", "--finish": 1, "--motion": 0.5, "--voxels-per-frame": 2}
+            "--interpolation": "cubic", "--finish": 1, "--motion": 0.5, "--voxels-per-frame": 2,
+            "--frame-velocity": "mean", "--frame-rotation": 2}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
                 "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps", "--parameters",
                 "--steady-frames", "--scratch"}
         of_streaks = {"--spacing": 3, "--tail": 2.5, "--draw": "lines", "--emit": mask, "--emit-box": (0, 0, 0, 9, 9, 9), "--source": f"air={mask}"}
         of_ibfv = {"--alpha": 0.2}
+        of_observer = {"--frame-axis": (0, 1, 0), "--frame-point": (1, 0, 0), "--stay": ()}
         listed = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", self.run_tool("vdblic_advect", "--help").stdout, re.MULTILINE))
-        self.assertEqual(listed, set(changes) | set(of_streaks) | set(of_ibfv) | free)
+        self.assertEqual(listed, set(changes) | set(of_streaks) | set(of_ibfv) | set(of_observer) | free)
 
-        for base, changed in (("--method", "streaks", "--refine", 2), of_streaks), (("--method", "ibfv"), of_ibfv), ((), changes):
+        for base, changed in (("--method", "streaks", "--refine", 2), of_streaks), (("--method", "ibfv"), of_ibfv), (("--frame-rotation", 1), of_observer), ((), changes):
             self.interrupted(self.flow(), *base)
             for option, value in changed.items():
                 values = value if isinstance(value, tuple) else (value,)

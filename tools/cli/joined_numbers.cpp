@@ -1,5 +1,7 @@
 #include "cli/joined_numbers.h"
 
+#include "vdblic/core/parameters.h"
+
 #include <algorithm>
 
 namespace vdblic::cli {
@@ -7,7 +9,7 @@ namespace {
 
 bool isNumber(std::string_view text)
 {
-    return !text.empty() && text.find_first_not_of("0123456789.") == std::string_view::npos;
+    return detail::numberIn(text).has_value();
 }
 
 } // namespace
@@ -19,7 +21,8 @@ JoinedNumbers::JoinedNumbers(int argc, char** argv, std::initializer_list<std::s
         mTexts.emplace_back(argv[i]);
         if (std::find(options.begin(), options.end(), mTexts.back()) == options.end() || i + 1 == argc) continue;
         std::string joined = argv[++i];
-        for (int n = 1; n < kMost && isNumber(joined.substr(joined.rfind(',') + 1)) && i + 1 < argc; ++n) {
+        for (int n = 1; n < kMost && isNumber(std::string_view(joined).substr(joined.rfind(',') + 1)) && i + 1 < argc;
+             ++n) {
             if (!isNumber(argv[i + 1])) break;
             joined += ',' + std::string(argv[++i]);
         }

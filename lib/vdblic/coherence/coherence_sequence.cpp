@@ -137,7 +137,10 @@ MeasuredTexture readTexture(const std::filesystem::path& path, const std::string
 Refinement refinementOf(const VelocityFrame& velocity, const openvdb::math::Transform& texture,
                         const std::filesystem::path& path, const std::string& gridName)
 {
-    if (const auto refinement = Refinement::between(velocity.values->transform(), texture)) return *refinement;
+    const openvdb::math::Transform& voxels = velocity.values->transform();
+    for (const auto& place : {velocity.inWorld(voxels), voxels.copy()}) { // the latter if it stays with the observer
+        if (const auto refinement = Refinement::between(*place, texture)) return *refinement;
+    }
     throw InputError(fmt::format("{}: grid {}: its transform is neither that of grid {} of {} nor a refinement of it; "
                                  "give the velocity that the texture was made from",
                                  path.string(), gridName, velocity.gridName, velocity.file.path.string()));
@@ -267,7 +270,9 @@ SequenceCoherence coherenceOfSequence(const SequenceCoherenceParams& params, Rep
     std::istringstream noLines;
     OneProcess alone;
     std::size_t total = 0;
-    VelocitySequence flow(params.flow, openSequence(params.flow.input, noLines, total), reporter, alone);
+    VelocitySequenceParams seen = params.flow;
+    seen.observer = files.observer();
+    VelocitySequence flow(std::move(seen), openSequence(params.flow.input, noLines, total), reporter, alone);
     flow.setMotion(files.motion());
 
     SequenceCoherence result;

@@ -61,6 +61,12 @@ void TextureFiles::readFirst()
     if (numbers.empty() || !std::filesystem::exists(mPattern.path(numbers.front()), ignored)) return;
     const openvdb::MetaMap metadata = readVdbHeader(mPattern.path(numbers.front())).metadata;
     mMotion = numericMetadata(metadata, "motion").value_or(1);
+    mObserver = ReferenceFrame::describedIn(metadata);
+    try {
+        mObserver.validate();
+    } catch (const ParameterError& error) {
+        throw InputError(fmt::format("{}: its metadata: {}", mPattern.path(numbers.front()).string(), error.what()));
+    }
     mAreSparse = isSparse(metadata);
     const double substeps = numericMetadata(metadata, "substeps").value_or(1);
     const auto source = numericMetadata(metadata, "source_frame"), number = numericMetadata(metadata, "frame");

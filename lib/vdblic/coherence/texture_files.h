@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/flow/reference_frame.h"
 #include "vdblic/io/sequence.h"
 
 #include <cstdint>
@@ -25,12 +26,16 @@ class TextureFiles {
     /// VelocityParams::motion that the textures were made with.
     [[nodiscard]] double motion() const { return mMotion; }
 
+    /// The observer that the textures were made for.
+    [[nodiscard]] const ReferenceFrameParams& observer() const { return mObserver; }
+
   private:
     void readFirst();
 
     FramePattern mPattern;
     std::int64_t mSubsteps = 1, mFirst = 0; // textures to a frame; the frame whose texture has the same number
     double mMotion = 1;
+    ReferenceFrameParams mObserver{};
     bool mAreSparse = false;
 };
 

@@ -124,23 +124,6 @@ openvdb::MaskTree topologyOf(const Components& components, bool staggered)
     return topology;
 }
 
-/// A grid of zeros. @param box leaves outside of it get no values
-Vec3SGrid::Ptr zeros(const openvdb::MaskTree& topology, const std::optional<openvdb::CoordBBox>& box)
-{
-    if (!box)
-        return Vec3SGrid::create(std::make_shared<openvdb::Vec3STree>(topology, Vec3f(0), openvdb::TopologyCopy()));
-    using Leaf = openvdb::Vec3STree::LeafNodeType;
-    auto grid = Vec3SGrid::create(Vec3f(0));
-    for (auto mask = topology.cbeginLeaf(); mask; ++mask) {
-        auto leaf = box->isInside(mask->origin())
-                        ? std::make_unique<Leaf>(*mask, Vec3f(0), openvdb::TopologyCopy())
-                        : std::make_unique<Leaf>(openvdb::PartialCreate(), mask->origin(), Vec3f(0));
-        leaf->setValueMask(mask->getValueMask());
-        grid->tree().addLeaf(leaf.release()); // takes ownership
-    }
-    return grid;
-}
-
 /// Set the active voxels of a grid to the values of their components at the voxel centres.
 /// @param box whose leaves are set  @param makeProbe makes, once per leaf, a callable (axis, index, value) → whether
 /// the component is active there
@@ -173,7 +156,7 @@ Vec3SGrid::Ptr joined(const Components& components, const std::string& where,
     openvdb::MaskTree topology = topologyOf(components, sampling.staggered);
     if (!box) checkVoxels(topology.activeVoxelCount(), where, 1, topology.activeLeafVoxelCount());
     topology.voxelizeActiveTiles();
-    const auto vectors = zeros(topology, box);
+    const auto vectors = zeroVelocity(topology, box);
     vectors->setTransform(sampling.centres);
     for (auto meta = components[0]->beginMeta(); meta != components[0]->endMeta(); ++meta) {
         if (meta->first == "time" || meta->first == "dt") vectors->insertMeta(meta->first, *meta->second);
@@ -223,6 +206,22 @@ Vec3SGrid::Ptr centredVelocity(const VelocityGrids& found, const std::string& pa
         return asSingle<FloatGrid, openvdb::DoubleGrid>(found.values[axis]);
     };
     return joined({component(0), component(1), component(2)}, where, box);
+}
+
+Vec3SGrid::Ptr zeroVelocity(const openvdb::MaskTree& topology, const std::optional<openvdb::CoordBBox>& box)
+{
+    if (!box)
+        return Vec3SGrid::create(std::make_shared<openvdb::Vec3STree>(topology, Vec3f(0), openvdb::TopologyCopy()));
+    using Leaf = openvdb::Vec3STree::LeafNodeType;
+    auto grid = Vec3SGrid::create(Vec3f(0));
+    for (auto mask = topology.cbeginLeaf(); mask; ++mask) {
+        auto leaf = box->isInside(mask->origin())
+                        ? std::make_unique<Leaf>(*mask, Vec3f(0), openvdb::TopologyCopy())
+                        : std::make_unique<Leaf>(openvdb::PartialCreate(), mask->origin(), Vec3f(0));
+        leaf->setValueMask(mask->getValueMask());
+        grid->tree().addLeaf(leaf.release()); // takes ownership
+    }
+    return grid;
 }
 
 } // namespace vdblic

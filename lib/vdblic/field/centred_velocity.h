@@ -21,4 +21,8 @@ namespace vdblic {
 [[nodiscard]] openvdb::Vec3SGrid::Ptr centredVelocity(const VelocityGrids& found, const std::string& path,
                                                       const std::optional<openvdb::CoordBBox>& box = std::nullopt);
 
+/// A velocity of zeros. @param topology without tiles  @param box leaves outside get no values (LeafBuffer::empty())
+[[nodiscard]] openvdb::Vec3SGrid::Ptr zeroVelocity(const openvdb::MaskTree& topology,
+                                                   const std::optional<openvdb::CoordBBox>& box);
+
 } // namespace vdblic

@@ -1,33 +1,13 @@
 #include "vdblic/field/resample.h"
 
+#include "vdblic/field/trilinear.h"
+
 #include <openvdb/tree/LeafManager.h>
 
 #include <cstddef>
 #include <memory>
 
 namespace vdblic {
-namespace {
-
-/// @param position in the index space of the values
-float valueAt(const openvdb::FloatGrid::ConstAccessor& values, const openvdb::Vec3d& position)
-{
-    const openvdb::Coord base = openvdb::Coord::floor(position);
-    const openvdb::Vec3d fraction = position - base.asVec3d();
-    double sum = 0, weights = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const openvdb::Coord step(corner >> 2, corner >> 1 & 1, corner & 1);
-        float value = 0;
-        if (!values.probeValue(base + step, value)) continue;
-        double weight = 1;
-        for (int axis = 0; axis < 3; ++axis)
-            weight *= step[axis] ? fraction[axis] : 1 - fraction[axis];
-        sum += weight * double(value);
-        weights += weight;
-    }
-    return weights > 0 ? float(sum / weights) : 0;
-}
-
-} // namespace
 
 openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& values, const openvdb::FloatGrid& like)
 {

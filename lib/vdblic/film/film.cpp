@@ -191,6 +191,7 @@ void makeFrom(const FilmParams& params, const ImportedVelocity* imported, Report
     const fs::path output(params.output);
     SequenceInfoParams inspection;
     inspection.flow.input = params.input;
+    inspection.flow.observer = params.observer;
     inspection.values = true;
     const FilmPlan plan = planFilm(params, inspectSequence(inspection, reporter));
     for (const std::string& note : plan.notes)
@@ -252,7 +253,7 @@ Parameters parametersOf(FilmParams& params)
     Parameter look = parameter("look", "Look of the pictures; by default streaks, of dense textures flow.", params.look,
                                {.words = "NAME"});
     look.choices = lookPresetNames();
-    return {
+    const Parameters own = {
         *find(sequence, "input"),
         parameter("output", "Film, .mp4, still of the middle frame, .png, or page for browsers, .html.", params.output,
                   {.option = "-o,--output", .isRequired = true}),
@@ -282,6 +283,7 @@ Parameters parametersOf(FilmParams& params)
         parameter("method", "Streaks show which way the flow goes, a dense texture fills every voxel.", params.method,
                   {.words = "NAME"}),
     };
+    return joined({own, parametersOf(params.observer)});
 }
 
 bool FilmParams::isFilm() const
@@ -315,6 +317,7 @@ void FilmParams::validate() const
     FilmParams copy = *this;
     checkLimits(parametersOf(copy));
     checkExtension(output, {".mp4", ".png", ".html"});
+    observer.validate();
     if (input.pattern == "-")
         throw ParameterError("paths on standard input cannot be planned; name a file or a pattern");
     if (globe && !needsImport(*this))

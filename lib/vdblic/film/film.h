@@ -4,6 +4,7 @@
 #include "vdblic/core/names.h"
 #include "vdblic/core/parameters.h"
 #include "vdblic/core/reporter.h"
+#include "vdblic/flow/reference_frame.h"
 #include "vdblic/io/sequence.h"
 
 #include <glm/vec2.hpp>
@@ -38,6 +39,7 @@ struct FilmParams {
     double orbit = 0;                        ///< turns of the camera during the film
     bool preview = false;                    ///< half the width and height, half the pictures, coarser textures
     FilmMethod method = FilmMethod::kStreaks;
+    ReferenceFrameParams observer{}; ///< as of the textures
 
     [[nodiscard]] bool isFilm() const;
     [[nodiscard]] bool isStill() const;

@@ -99,6 +99,7 @@ class FilmPlanner {
                                               mVelocity.intervalFault, mVelocity.interval));
         }
         mPlan.advect["input"] = {mInfo.pattern};
+        takeObserver();
         const std::vector<std::int64_t> frames = chooseFrames(chooseMotion());
         const bool isAll = mInfo.missing.empty() && frames == mInfo.frames;
         if (!isAll || !mParams.input.frames.empty()) mPlan.advect["frames"] = {frameListText(frames)};
@@ -110,6 +111,16 @@ class FilmPlanner {
     }
 
   private:
+    void takeObserver()
+    {
+        ReferenceFrameParams given = mParams.observer, none;
+        const Parameters atRest = parametersOf(none);
+        for (const Parameter& parameter : parametersOf(given)) {
+            const Words words = parameter.get();
+            if (words != find(atRest, parameter.key)->get()) mPlan.advect[std::string(parameter.key)] = words;
+        }
+    }
+
     /// @return pixels that the faster half of the flow moves in a frame
     double chooseMotion()
     {
@@ -286,7 +297,9 @@ class FilmPlanner {
     [[nodiscard]] bool flowsAroundSolid() const
     {
         const double box = voxelsOf(mGrid.box);
-        return mLayer < 0 && double(mVelocity.voxels)<box&& double(mVelocity.voxels)>(1 - kMostSolid) * box;
+        // To an observer who turns, the box of the flow's voxels has empty corners.
+        return mLayer < 0 && mParams.observer.rotation == 0 &&
+               double(mVelocity.voxels)<box&& double(mVelocity.voxels)>(1 - kMostSolid) * box;
     }
 
     /// A factor for each axis along which there are several voxels.

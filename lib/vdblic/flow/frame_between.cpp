@@ -69,6 +69,7 @@ VelocityFrame frameBetween(const VelocityFrame& before, const VelocityFrame& aft
 
     VelocityFrame frame = before;
     frame.sourceFrame += (after.sourceFrame - before.sourceFrame) * fraction;
+    frame.observedSeconds += (after.observedSeconds - before.observedSeconds) * fraction;
     frame.readSeconds = 0;
     frame.values = openvdb::Vec3SGrid::create(tree);
     frame.values->setTransform(before.values->transform().copy());

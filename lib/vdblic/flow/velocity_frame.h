@@ -5,6 +5,7 @@
 #include "vdblic/field/frame_domain.h"
 #include "vdblic/field/units.h"
 #include "vdblic/field/velocities.h"
+#include "vdblic/flow/reference_frame.h"
 #include "vdblic/io/sequence.h"
 
 #include <openvdb/openvdb.h>
@@ -83,6 +84,9 @@ struct VelocityFrame : VelocityConvention, FrameTimes {
     std::vector<std::string> remarks; ///< choices made on the user's behalf
     std::string stamp;                ///< VelocitySequence::stampOf() just before reading
     double readSeconds = 0;           ///< spent on reading
+    /// Whose space velocity, domain and carried grids are in; null: the world's.
+    std::shared_ptr<const ReferenceFrame> observer;
+    double observedSeconds = 0; ///< since the observer's start
 
     // If several ranks share the run, values and domain are this rank's part.
     std::shared_ptr<const Partition> partition; ///< null for a process alone
@@ -98,6 +102,11 @@ struct VelocityFrame : VelocityConvention, FrameTimes {
     [[nodiscard]] openvdb::math::Transform::Ptr textureTransform() const
     {
         return domain.refinement.refined(values->transform());
+    }
+    /// The place of a grid of the frame's space in the world.
+    [[nodiscard]] openvdb::math::Transform::Ptr inWorld(const openvdb::math::Transform& grid) const
+    {
+        return observer ? observer->toWorld(grid, observedSeconds) : grid.copy();
     }
 };
 

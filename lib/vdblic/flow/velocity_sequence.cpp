@@ -5,15 +5,21 @@
 #include "vdblic/core/stopwatch.h"
 #include "vdblic/distributed/velocity_halo.h"
 #include "vdblic/flow/frame_halo.h"
+#include "vdblic/flow/observed_frame.h"
 #include "vdblic/io/file_stamp.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -40,6 +46,14 @@ std::string missingTime(const VelocityFrame& frame)
     return "no time or dt in the files";
 }
 
+/// No leaf: a frame's times and active voxels.
+const VelocityPart kNoValues{{{openvdb::Coord(1 << 28), openvdb::Coord(1 << 28)}}, false};
+
+bool isPerFrame(VelocityUnit unit)
+{
+    return unit == VelocityUnit::kWorldPerFrame || unit == VelocityUnit::kVoxelPerFrame;
+}
+
 } // namespace
 
 VelocitySequence::VelocitySequence(VelocitySequenceParams params, FrameSource source, Reporter& reporter,
@@ -57,7 +71,7 @@ std::optional<VelocityFrame> VelocitySequence::next()
 {
     if (!mStarted) lookAhead(std::launch::deferred);
     if (!mAhead.valid()) return std::nullopt;
-    const std::optional<FrameFile> file = mAhead.get();
+    const std::optional<FrameFile> file = noted(mAhead.get());
     if (!file) return std::nullopt;
     VelocityFrame frame = loadPart(*file);
     if (!mPartition) mPartition = frame.partition;
@@ -103,6 +117,7 @@ FrameInterval VelocitySequence::intervalAfter(const VelocityFrame& current, cons
                                      "frame spacing with `frame_spacing`",
                                      next->file.path.string(), *next->time, *current.time));
     }
+    if (end && next->observer) checkObserved(current, *next, interval->seconds);
     if (interval->isAssumed && !std::exchange(mSaidInterval, true)) {
         mReporter.say(
             fmt::format("{}: taking 24 frames a second; give `frame_spacing` if it is another", missingTime(current)));
@@ -123,16 +138,17 @@ void VelocitySequence::describe(const VelocityFrame& frame, const FrameInterval&
 }
 
 /// @param part to read
-VelocityFrame VelocitySequence::load(const FrameFile& file, const std::optional<VelocityPart>& part) const
+VelocityFrame VelocitySequence::load(const FrameFile& file, const std::optional<VelocityPart>& part)
 {
     Stopwatch watch;
     const std::string stamp = stampOf(file); // before reading: a later change then differs from it
-    VelocityFrame frame = readVelocity(file, mParams.velocity, part);
+    VelocityFrame frame = read(file, part);
     frame.stamp = stamp;
     frame.sourceFrame = double(file.frame - file.repeats);
     frame.domain = mLastDomain;
     const openvdb::Vec3SGrid& values = *frame.values;
-    const bool isSame = mLastDomain.texture && mParams.domain.mask.empty() &&
+    const bool isPlaced = frame.observer && mParams.domain.worldBox; // at another place of the observer's space
+    const bool isSame = mLastDomain.texture && mParams.domain.mask.empty() && !isPlaced &&
                         mLastValues->transform() == values.transform() &&
                         mLastValues->tree().hasSameTopology(values.tree());
     try {
@@ -141,7 +157,7 @@ VelocityFrame VelocitySequence::load(const FrameFile& file, const std::optional<
                 file.contents && !mExchange.isAlone()
                     ? joinedTopology(values.tree(), mExchange)
                     : std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
-            frame.domain = makeDomain(std::move(topology), values.transform(), mParams.domain,
+            frame.domain = makeDomain(std::move(topology), *frame.inWorld(values.transform()), mParams.domain,
                                       file.frame - file.repeats, mExchange.size());
         }
     } catch (const InputError& error) {
@@ -151,8 +167,98 @@ VelocityFrame VelocitySequence::load(const FrameFile& file, const std::optional<
     return frame;
 }
 
+/// Read a velocity, as the observer sees it. @param part of the observer's voxels
+VelocityFrame VelocitySequence::read(const FrameFile& file, const std::optional<VelocityPart>& part)
+{
+    if (mParams.observer.isAtRest()) return readVelocity(file, mParams.velocity, part);
+    if (!mObserver) findObserver();
+    std::optional<VelocityPart> stored = part;
+    if (part) {
+        const bool inFile = !mParams.frameSpacing;
+        const FrameTimes times = inFile ? readVelocity(file, mParams.velocity, kNoValues) : FrameTimes{};
+        stored = partSeen(*part, *mObserver, secondsSinceStart(file, times));
+    }
+    VelocityFrame frame = readVelocity(file, mParams.velocity, stored);
+    makePerSecond(frame, mStartInterval);
+    observe(frame, mObserver, secondsSinceStart(file, frame), part);
+    return frame;
+}
+
+/// Note the first frame of the source, where an observer may start, and the spacing to the second.
+std::optional<FrameFile> VelocitySequence::noted(std::optional<FrameFile> file)
+{
+    if (!file || mParams.observer.isAtRest()) return file;
+    if (!mStart) {
+        mStart = file;
+    } else if (mStartSpacing == 0) {
+        mStartSpacing = file->frame - mStart->frame;
+    }
+    return file;
+}
+
+/// Find where and when the observer starts, and the velocity if it is the mean. Collective.
+void VelocitySequence::findObserver()
+{
+    FrameFile file = mStart.value();
+    if (file.contents && (!mExchange.isAlone() || file.frame != 1)) {
+        throw ParameterError("`frame_velocity`, `frame_rotation`: of frames in memory an observer needs all, from the "
+                             "first on, in one process; take files");
+    }
+    if (!file.contents && mParams.input.pattern != "-") {
+        const FramePattern pattern(mParams.input.pattern);
+        if (pattern.hasField()) file.frame = pattern.framesOnDisk().front();
+        file.path = pattern.path(file.frame);
+        mStartSpacing = frameSpacing(mParams.input);
+    }
+    VelocityParams reading = mParams.velocity;
+    reading.carry.clear();
+    const bool isMean = mParams.observer.followsMean, readsValues = isMean && mExchange.isFirst();
+    mStart = {file.frame, file.path}; // not to hold what is in memory
+    VelocityFrame start = readVelocity(file, reading, readsValues ? std::nullopt : std::optional(kNoValues));
+    mStartTimes = start;
+    const FrameInterval interval = frameInterval(mParams.frameSpacing, start, nullptr, 1).value();
+    const bool needsInterval = !start.time || isPerFrame(start.unit) || mParams.input.steadyFrames > 1;
+    if (interval.isAssumed && needsInterval) {
+        throw InputError(fmt::format("{}: {}, which an observer who moves needs: give `frame_spacing`",
+                                     file.path.string(), start.time ? "no dt in the file" : missingTime(start)));
+    }
+    mStartInterval = interval.seconds;
+    makePerSecond(start, mStartInterval);
+    ReferenceFrameParams params = mParams.observer;
+    if (isMean) {
+        const std::array<double, 3> mean = readsValues ? meanVelocity(start) : std::array<double, 3>{};
+        params.velocity.emplace();
+        const std::vector<double> ofFirst = mExchange.join(std::vector<double>(mean.begin(), mean.end()));
+        std::copy_n(ofFirst.begin(), mean.size(), params.velocity->begin());
+        sayOnce(fmt::format("the observer moves at the mean velocity of frame {}: `frame_velocity` {}", file.frame,
+                            fmt::join(*params.velocity, " ")));
+    }
+    mObserver = std::make_shared<const ReferenceFrame>(params, start.values->transform());
+}
+
+/// The time of a frame, counted from the observer's start.
+double VelocitySequence::secondsSinceStart(const FrameFile& file, const FrameTimes& times) const
+{
+    const bool byTimes = !mParams.frameSpacing && file.repeats == 0 && times.time && mStartTimes.time;
+    if (byTimes) return *times.time - *mStartTimes.time;
+    const auto spacing = double(std::max<std::int64_t>(mStartSpacing, 1));
+    return double(file.frame - mStart->frame) / spacing * mStartInterval;
+}
+
+/// Check that the observer moves as long as the flow does.
+void VelocitySequence::checkObserved(const VelocityFrame& current, const VelocityFrame& next, double interval) const
+{
+    constexpr double kTolerance = 1e-4;
+    const double seconds = next.observedSeconds - current.observedSeconds;
+    if (std::abs(seconds - interval) <= kTolerance * interval) return;
+    throw InputError(fmt::format("{}: frames {} and {} are {:.6g} s apart, but {:.6g} s by the times since frame {}, "
+                                 "by which the observer moves: give `frame_spacing`",
+                                 next.file.path.string(), current.file.frame, next.file.frame, interval, seconds,
+                                 mStart->frame));
+}
+
 /// Read a frame's part. All ranks cut the first frame's domain alike.
-VelocityFrame VelocitySequence::loadPart(const FrameFile& file) const
+VelocityFrame VelocitySequence::loadPart(const FrameFile& file)
 {
     const int rank = mExchange.rank(), ranks = mExchange.size();
     if (mExchange.isAlone()) return load(file, std::nullopt);
@@ -168,8 +274,7 @@ VelocityFrame VelocitySequence::loadPart(const FrameFile& file) const
         return frame;
     }
     if (!partition) {
-        const VoxelBox<Space::kVelocity> nowhere{{openvdb::Coord(1 << 28), openvdb::Coord(1 << 28)}};
-        const VelocityFrame voxels = load(file, VelocityPart{nowhere, false});
+        const VelocityFrame voxels = load(file, kNoValues);
         partition = std::make_shared<const Partition>(*voxels.domain.velocity, voxels.domain.refinement.factors, ranks);
     }
     // Carried grids, which rank 0 writes, are whole. The ranks verify the files in turn.

@@ -26,6 +26,9 @@ namespace vdblic {
 /// the system then reads into its cache: reading the frame itself would take the memory of another velocity. Frames in
 /// memory are requested on demand in the caller's thread; with several ranks each supplies a part.
 ///
+/// A moving observer (VelocitySequenceParams::observer) gets frames in its own space; all times count from the first
+/// frame on disk, or of standard input or memory, whichever frames are selected.
+///
 /// Choices made for the user are reported once. Not thread-safe.
 class VelocitySequence {
   public:
@@ -35,7 +38,7 @@ class VelocitySequence {
 
     /// Skip a frame without reading it. Only before the first call of next().
     /// @return its file, or nothing at the end
-    std::optional<FrameFile> skip() { return mSource(); }
+    std::optional<FrameFile> skip() { return noted(mSource()); }
 
     /// A text that changes whenever the frame or its files change: its number, and the stamps of input and mask.
     [[nodiscard]] std::string stampOf(const FrameFile& file) const;
@@ -49,7 +52,7 @@ class VelocitySequence {
     std::optional<VelocityFrame> after();
 
     /// The time from a frame to the next. @param next the frame after it, or null
-    /// @throws InputError if the files' times do not ascend
+    /// @throws InputError if the files' times do not ascend, or are not those by which an observer moved
     FrameInterval intervalAfter(const VelocityFrame& current, const VelocityFrame* next);
 
     /// The spacing of the frame numbers on disk, 0 until known; a resumed run needs it.
@@ -66,8 +69,13 @@ class VelocitySequence {
     void describe(const VelocityFrame& frame, const FrameInterval& interval, double largest);
 
   private:
-    [[nodiscard]] VelocityFrame load(const FrameFile& file, const std::optional<VelocityPart>& part) const;
-    [[nodiscard]] VelocityFrame loadPart(const FrameFile& file) const;
+    [[nodiscard]] VelocityFrame load(const FrameFile& file, const std::optional<VelocityPart>& part);
+    [[nodiscard]] VelocityFrame loadPart(const FrameFile& file);
+    [[nodiscard]] VelocityFrame read(const FrameFile& file, const std::optional<VelocityPart>& part);
+    [[nodiscard]] std::optional<FrameFile> noted(std::optional<FrameFile> file);
+    void findObserver();
+    [[nodiscard]] double secondsSinceStart(const FrameFile& file, const FrameTimes& times) const;
+    void checkObserved(const VelocityFrame& current, const VelocityFrame& next, double interval) const;
     void lookAhead(std::launch how);
     void checkSuccession(const VelocityFrame& velocity) const;
     void sayOnce(const std::string& message);
@@ -80,7 +88,12 @@ class VelocitySequence {
     // Of the previous frame; without its domain if that is a rank's part: the next frame needs the whole.
     openvdb::Vec3SGrid::ConstPtr mLastValues;
     FrameDomain mLastDomain;
-    std::int64_t mSpacing = 0; // of the frame numbers on disk; 0 until known
+    std::int64_t mSpacing = 0;                       // of the frame numbers on disk; 0 until known
+    std::shared_ptr<const ReferenceFrame> mObserver; // null at rest, and before the first frame
+    std::optional<FrameFile> mStart;                 // of a moving observer; the source's first until mObserver is set
+    FrameTimes mStartTimes;                          // of that frame
+    std::int64_t mStartSpacing = 0;                  // of the frame numbers from there on; 0 until known
+    double mStartInterval = 0;                       // seconds to the next frame, by that frame
     std::set<std::string> mSaid;
     bool mStarted = false, mSaidInterval = false;
     std::future<std::optional<FrameFile>> mAhead; // the next file; last member: its thread uses the others

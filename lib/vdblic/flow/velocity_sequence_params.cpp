@@ -20,6 +20,7 @@ void VelocitySequenceParams::validate() const
 {
     velocity.validate();
     domain.validate();
+    observer.validate();
     VelocitySequenceParams copy = *this;
     checkLimits(parametersOf(copy));
 }

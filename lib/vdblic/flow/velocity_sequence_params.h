@@ -13,11 +13,12 @@ struct VelocitySequenceParams {
     SequenceParams input;
     VelocityParams velocity;
     std::optional<double> frameSpacing; ///< seconds between frames on disk; nothing: by metadata, else 1/24
-    DomainParams domain;
+    DomainParams domain;                ///< `worldBox` and `mask` stay in the world, `box` is of the observer's voxels
+    ReferenceFrameParams observer{};
 
     void validate() const; ///< @throws ParameterError
 };
-/// The parameters of velocity and frame spacing; the sequence and its domain have their own.
+/// The parameters of velocity and frame spacing; the sequence, its domain and its observer have their own.
 [[nodiscard]] Parameters parametersOf(VelocitySequenceParams& params);
 
 } // namespace vdblic

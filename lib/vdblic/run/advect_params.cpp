@@ -91,8 +91,8 @@ Parameters parametersOf(AdvectParams& params)
                                 "Velocity sequence: one file, a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>), "
                                 "or - for paths on standard input."),
                    steady, first, parametersOf(params.texture), parametersOf(params.backward),
-                   parametersOf(params.streaks), parametersOf(params.flow), parametersOf(params.flow.domain), motion,
-                   start, outputs, parametersOf(params.format), run});
+                   parametersOf(params.streaks), parametersOf(params.flow), parametersOf(params.flow.domain),
+                   parametersOf(params.flow.observer), motion, start, outputs, parametersOf(params.format), run});
 }
 
 void AdvectParams::validate() const

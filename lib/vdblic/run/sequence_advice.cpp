@@ -156,7 +156,8 @@ std::vector<std::string> adviceFor(const SequenceInfo& info)
                              ? "1 file cannot be read: write it again"
                              : fmt::format("{} files cannot be read: write them again", info.damaged.size()));
     for (const GridInfo& grid : info.grids) {
-        if (grid.transformChanges) {
+        const bool isVelocity = info.velocity && std::ranges::count(info.velocity->gridNames, grid.name) > 0;
+        if (grid.transformChanges && isVelocity) { // textures for an observer move with the observer
             advice.push_back(
                 fmt::format("the transform of grid '{}' changes between frames: resample the sequence onto "
                             "one grid, or switch an adaptive domain off",

@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/flow/frame_interval.h"
+#include "vdblic/flow/observed_frame.h"
 #include "vdblic/flow/velocity_sequence_params.h"
 #include "vdblic/io/checksum.h"
 #include "vdblic/io/vdb_file.h"
@@ -199,6 +200,12 @@ void addMotion(const FrameFile& file, const SequenceInfoParams& params, std::siz
     reading.nonFinite = NonFinite::kZero;
     reading.carry.clear();
     VelocityFrame frame = readVelocity(file, reading);
+    if (!params.flow.observer.isAtRest()) {
+        makePerSecond(frame, velocity.interval);
+        ReferenceFrameParams observer = params.flow.observer;
+        if (observer.followsMean) observer.velocity = meanVelocity(frame);
+        observe(frame, std::make_shared<ReferenceFrame>(observer, frame.values->transform()), 0, std::nullopt);
+    }
     if (!velocity.motion) velocity.motion.emplace();
     MotionInfo& motion = *velocity.motion;
     const double mean = meanLength(*frame.values, openvdb::Mat3s(frame.toVoxelsPerFrame(velocity.interval).matrix));

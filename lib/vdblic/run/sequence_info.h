@@ -17,7 +17,7 @@ namespace vdblic {
 
 /// The sequence to inspect, and the interpretation of its velocity.
 struct SequenceInfoParams {
-    VelocitySequenceParams flow;
+    VelocitySequenceParams flow;     ///< to its observer, displacements are as seen; a mean velocity is each frame's
     bool values = false;             ///< read the voxels too, besides the headers
     std::optional<int> refine{};     ///< of the textures in the estimate; nothing: 1, or the streaks' default
     std::optional<double> spacing{}; ///< of streaks, in the estimate [velocity voxels]; nothing: their default

@@ -86,6 +86,13 @@ openvdb::GridBase::Ptr linesWith(const std::vector<openvdb::FloatGrid::Ptr>& sca
     return lineGrid(lines, transform);
 }
 
+/// Bring grids of a frame from the observer's space back to their places in the world.
+void bringBack(const VelocityFrame& frame, openvdb::GridCPtrVec& grids)
+{
+    for (openvdb::GridBase::ConstPtr& grid : grids)
+        grid = grid->copyGridReplacingTransform(frame.inWorld(grid->transform()));
+}
+
 /// A tree with all of a domain's voxels: the texture's, unless other ranks hold parts.
 openvdb::FloatTree::Ptr wholeTree(const Domain& domain, const openvdb::FloatTree::Ptr& texture)
 {
@@ -130,6 +137,7 @@ TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int
     const FromStored<Space::kWorld, Per::kSecond> toWorldPerSecond = frame.toWorldPerSecond(made.interval);
     const openvdb::math::Transform::Ptr ofTexture = made.transform();
     const openvdb::math::Transform& transform = *ofTexture;
+    const bool returns = frame.observer && !params.flow.observer.stay;
     openvdb::FloatTree::Ptr texture;
     openvdb::FloatGrid::Ptr textureGrid;
     if (!params.writesLines()) {
@@ -157,6 +165,7 @@ TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int
         const bool onTexture = params.format.scalars == ScalarVoxels::kTexture && !made.refinement.isNone();
         carried.insert(carried.begin(),
                        velocityGrid(*frame.domain.velocity, *frame.values, toWorldPerSecond * frame.motion,
+                                    returns ? frame.observer->unseen(frame.observedSeconds) : VelocityMap{},
                                     onTexture ? textureGrid.get() : nullptr, params.format.precision));
     }
     if (lines) carried.insert(carried.begin(), lines);
@@ -176,11 +185,13 @@ TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int
     file.onTexture = params.format.scalars == ScalarVoxels::kTexture ? file.computed : hasSecond ? 2 : 1;
     file.domain = made.domain;
     file.grids.insert(file.grids.end(), carried.begin(), carried.end());
+    if (returns) bringBack(frame, file.grids);
     file.metadata = parameterMetadata(plan, made.refinement);
     for (auto chosen = made.metadata.beginMeta(); chosen != made.metadata.endMeta(); ++chosen)
         file.metadata.insertMeta(chosen->first, *chosen->second);
     if (!frame.sourceCreator.empty())
         file.metadata.insertMeta("source_creator", openvdb::StringMetadata(frame.sourceCreator));
+    if (frame.observer) frame.observer->describe(file.metadata);
     if (frame.motion != 1) file.metadata.insertMeta("motion", openvdb::DoubleMetadata(frame.motion));
     // With a frame spacing of its own a run no longer follows the files' calendar.
     if (!frame.start.empty() && !params.flow.frameSpacing)

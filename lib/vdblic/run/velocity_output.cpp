@@ -14,15 +14,17 @@ namespace vdblic {
 namespace {
 
 /// One component in world units per second, on a domain's voxels.
-openvdb::FloatGrid::Ptr component(const Domain& domain, const openvdb::Vec3SGrid& velocities,
-                                  const openvdb::Vec3d& toComponent)
+openvdb::FloatGrid::Ptr component(const Domain& domain, const openvdb::Vec3SGrid& velocities, int axis,
+                                  const openvdb::Mat3d& unit, const VelocityMap& toWorld)
 {
+    const openvdb::Vec3d ofVelocity = (toWorld.ofVelocity * unit).row(axis), ofPlace = toWorld.ofPlace.row(axis);
     LeafValues<float> values(domain, 0.0f);
     forLeaves(domain.local(), [&](std::size_t leaf) {
         const openvdb::Vec3SGrid::ConstAccessor accessor = velocities.getConstAccessor();
         for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
             const openvdb::Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
-            values[leaf][voxel.pos()] = float(toComponent.dot(openvdb::Vec3d(accessor.getValue(at))));
+            values[leaf][voxel.pos()] = float(ofVelocity.dot(openvdb::Vec3d(accessor.getValue(at))) +
+                                              ofPlace.dot(velocities.indexToWorld(at)) + toWorld.constant[axis]);
         }
     });
     auto grid = openvdb::FloatGrid::create(values.tree());
@@ -33,13 +35,13 @@ openvdb::FloatGrid::Ptr component(const Domain& domain, const openvdb::Vec3SGrid
 } // namespace
 
 openvdb::Vec3SGrid::Ptr velocityGrid(const Domain& domain, const openvdb::Vec3SGrid& velocities,
-                                     const FromStored<Space::kWorld, Per::kSecond>& unit,
+                                     const FromStored<Space::kWorld, Per::kSecond>& unit, const VelocityMap& toWorld,
                                      const openvdb::FloatGrid* like, GridPrecision precision)
 {
     std::array<openvdb::FloatGrid::Ptr, 3> parts;
     bool isHalf = precision == GridPrecision::kHalf;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        parts[axis] = component(domain, velocities, unit.matrix.row(int(axis)));
+        parts[axis] = component(domain, velocities, int(axis), unit.matrix, toWorld);
         if (like) parts[axis] = resampled(*parts[axis], *like);
         saveAsHalf(*parts[axis]);
         isHalf = isHalf && parts[axis]->saveFloatAsHalf();

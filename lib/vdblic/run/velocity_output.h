@@ -2,6 +2,7 @@
 
 #include "vdblic/field/domain.h"
 #include "vdblic/field/units.h"
+#include "vdblic/flow/reference_frame.h"
 #include "vdblic/run/texture_format.h"
 
 #include <openvdb/openvdb.h>
@@ -18,11 +19,13 @@ inline constexpr const char* kVelocityGrid = "vel";
 ///
 /// @param domain     the voxels of the grid; all must be here
 /// @param velocities on voxel centres, in any unit
+/// @param toWorld    from the velocities in world units per second, at places of their grid, to the result's
 /// @param like       nothing, or the grid that gives voxels and transform for the interpolation
 /// @param precision  in a file; half only where it has the range of the values (saveAsHalf())
 /// Computed in parallel; the result does not depend on the number of threads.
 [[nodiscard]] openvdb::Vec3SGrid::Ptr velocityGrid(const Domain& domain, const openvdb::Vec3SGrid& velocities,
                                                    const FromStored<Space::kWorld, Per::kSecond>& unit,
-                                                   const openvdb::FloatGrid* like, GridPrecision precision);
+                                                   const VelocityMap& toWorld, const openvdb::FloatGrid* like,
+                                                   GridPrecision precision);
 
 } // namespace vdblic

@@ -170,7 +170,8 @@ std::shared_ptr<const Domain> StreakTexture::emittingPart(const VelocityFrame& f
     DomainParams cut;
     cut.mask = mParams.emit;
     cut.worldBox = mParams.emitBox;
-    auto region = makeDomain(copyOf(domain->topology()), frame.values->transform(), cut, number).velocity;
+    auto region =
+        makeDomain(copyOf(domain->topology()), *frame.inWorld(frame.values->transform()), cut, number).velocity;
     if (region->voxelCount() > 0 || mStep > 0) return region;
     throw InputError(fmt::format("{}: no voxel of the velocity is in it: streaks would be released nowhere",
                                  mParams.emit.empty() ? "`emit_box`" : "`emit` " + mParams.emit));
@@ -183,8 +184,8 @@ void StreakTexture::markSources(const VelocityFrame& frame, std::int64_t number)
     for (std::size_t i = 0; i < sources.size(); ++i) {
         DomainParams cut;
         cut.mask = sources[i].grid;
-        const FrameDomain region =
-            makeDomain(copyOf(frame.domain.velocity->topology()), frame.values->transform(), cut, number);
+        const FrameDomain region = makeDomain(copyOf(frame.domain.velocity->topology()),
+                                              *frame.inWorld(frame.values->transform()), cut, number);
         for (Streak& streak : mStreaks) {
             const auto& [x, y, z] = streak.path.back().position;
             if (!streak.isStopped && covers(*region.velocity, Float4{x, y, z, 0})) streak.source = std::uint8_t(i + 1);
