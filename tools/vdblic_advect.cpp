@@ -20,7 +20,7 @@ int main(int argc, char** argv)
                   {"Velocity",
                    {"velocity", "velocity_unit", "velocity_scale", "frame_spacing", "fps", "motion", "voxels_per_frame",
                     "non_finite"}},
-                  {"Domain", {"mask", "box", "world_box"}},
+                  {"Domain", {"mask", "box", "world_box", "periodic"}},
                   {"Run", {"json", "resume", "restart", "keep_checkpoint"}},
                   {cli::kExpertGroup,
                    {"release_window", "sample_spacing", "tolerance", "sharpen", "noise_share", "interpolation",

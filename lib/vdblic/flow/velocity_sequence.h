@@ -69,7 +69,7 @@ class VelocitySequence {
     [[nodiscard]] VelocityFrame load(const FrameFile& file, const std::optional<VelocityPart>& part) const;
     [[nodiscard]] VelocityFrame loadPart(const FrameFile& file) const;
     void lookAhead(std::launch how);
-    void checkSuccession(const VelocityFrame& velocity) const;
+    void checkSuccession(const VelocityFrame& velocity);
     void sayOnce(const std::string& message);
 
     VelocitySequenceParams mParams;
@@ -80,7 +80,8 @@ class VelocitySequence {
     // Of the previous frame; without its domain if that is a rank's part: the next frame needs the whole.
     openvdb::Vec3SGrid::ConstPtr mLastValues;
     FrameDomain mLastDomain;
-    std::int64_t mSpacing = 0; // of the frame numbers on disk; 0 until known
+    std::optional<Period> mPeriod; // of all frames with voxels
+    std::int64_t mSpacing = 0;     // of the frame numbers on disk; 0 until known
     std::set<std::string> mSaid;
     bool mStarted = false, mSaidInterval = false;
     std::future<std::optional<FrameFile>> mAhead; // the next file; last member: its thread uses the others
