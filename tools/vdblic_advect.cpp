@@ -20,7 +20,7 @@ int main(int argc, char** argv)
                   {"Velocity",
                    {"velocity", "velocity_unit", "velocity_scale", "frame_spacing", "fps", "motion", "voxels_per_frame",
                     "non_finite"}},
-                  {"Domain", {"mask", "box", "world_box"}},
+                  {"Domain", {"mask", "box", "world_box", "periodic"}},
                   {"Observer", {"frame_velocity", "frame_rotation", "frame_axis", "frame_point", "stay"}},
                   {"Run", {"json", "resume", "restart", "keep_checkpoint"}},
                   {cli::kExpertGroup,

@@ -60,6 +60,15 @@ class Ranks(ToolTest):
     def test_a_refined_wake(self):
         self.compare([1, 2, 7], WAKE, "--frames", "1-2", "--refine", 2, "--with", "vorticity,q,hits", "--preroll", 2)
 
+    def test_a_periodic_box(self):
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 32, 32, 32, "--frames", "1-3")
+        for axes, ranks, *options in (
+                ("x,y,z", (2, 3, 7), "--with", "vorticity"),
+                ("x", (5,), "--refine", 2, "--interpolation", "cubic"),
+                ("x,y,z", (3,), "--method", "streaks", "--spacing", 4),
+                ("y,z", (3,), "--method", "ibfv", "--substeps", 2)):
+            self.compare(ranks, "v.%04d.vdb", "--periodic", axes, *options)
+
     def test_streaks(self):
         self.compare([1, 3, 5], WAKE, "--frames", "1-3", "--method", "streaks", "--refine", 4, "--substeps", 2,
                      "--with", "vorticity", "--source", f"low={self.low_half()}")

@@ -352,7 +352,7 @@ class Resume(ToolTest):
             "--seed": 2, "--preroll": 3, "--release-window": 0.5, "--sample-spacing": 0.4, "--tolerance": 0.1,
             "--sharpen": 2, "--noise-share": 0.2, "--texture-name": "smoke", "--refine": 2,
             "--precision": "float", "--compression": "none", "--scalars": "texture", "--substeps": 2,
-            "--interpolation": "cubic", "--finish": 1, "--motion": 0.5, "--voxels-per-frame": 2,
+            "--interpolation": "cubic", "--periodic": "x", "--finish": 1, "--motion": 0.5, "--voxels-per-frame": 2,
             "--frame-velocity": "mean", "--frame-rotation": 2}
         free = {"--help", "--version", "--threads", "--max-memory", "--quiet", "--verbose", "--verify", "--resume",
                 "--restart", "--keep-checkpoint", "--checkpoint-every", "--json", "--output", "--frames", "--clamp-frames", "--lead-in", "--renumber", "--fps", "--parameters",

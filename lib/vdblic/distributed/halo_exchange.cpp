@@ -15,9 +15,9 @@ HaloExchange::HaloExchange(Exchange& exchange, const Partition& partition, const
     const VoxelBox<Space::kTexture> mine = partition.textureBox(exchange.rank());
     for (int rank = 0; rank < exchange.size(); ++rank) {
         const VoxelBox<Space::kTexture> around = dilated(partition.textureBox(rank), mDepths[std::size_t(rank)]);
-        if (rank == exchange.rank() || !around.voxels.hasOverlap(mine.voxels)) continue;
+        if (rank == exchange.rank() || !domain.period().overlap(around.voxels, mine.voxels)) continue;
         for (const std::uint32_t leaf : domain.own()) {
-            if (around.voxels.isInside(domain.origin(leaf))) mGiven[std::size_t(rank)].push_back(leaf);
+            if (domain.period().isSeenIn(around.voxels, domain.origin(leaf))) mGiven[std::size_t(rank)].push_back(leaf);
         }
     }
     for (const std::uint32_t leaf : domain.local()) {
@@ -68,7 +68,7 @@ void HaloExchange::takeValues(LeafValues<T>& values, int leaves) const
     for (std::size_t rank = 0; rank < mGiven.size(); ++rank) {
         const VoxelBox<Space::kTexture> around = dilated(mPartition.textureBox(int(rank)), depths[rank]);
         for (const std::uint32_t leaf : mGiven[rank]) {
-            if (!around.voxels.isInside(mDomain.origin(leaf))) continue;
+            if (!mDomain.period().isSeenIn(around.voxels, mDomain.origin(leaf))) continue;
             numbers.clear();
             for (auto voxel = mDomain.mask(leaf).beginOn(); voxel; ++voxel)
                 numbers.push_back(values[leaf][voxel.pos()]);
@@ -81,7 +81,7 @@ void HaloExchange::takeValues(LeafValues<T>& values, int leaves) const
     for (std::size_t rank = 0; rank < mTaken.size(); ++rank) {
         MessageReader message(received[rank]);
         for (const std::uint32_t leaf : mTaken[rank]) {
-            if (!around.voxels.isInside(mDomain.origin(leaf))) continue;
+            if (!mDomain.period().isSeenIn(around.voxels, mDomain.origin(leaf))) continue;
             numbers.resize(mDomain.mask(leaf).countOn());
             message.get(numbers.data(), numbers.size());
             auto number = numbers.begin();

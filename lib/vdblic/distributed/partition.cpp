@@ -27,7 +27,14 @@ Partition::Partition(const Domain& velocity, const std::array<int, 3>& factors, 
                                          LeafVoxel::leafCoordinate(origin[2])),
                           velocity.mask(leaf).countOn()});
     }
-    mRoot = build(std::move(leaves), {openvdb::Coord(-kFar), openvdb::Coord(kFar - 1)}, 0, ranks);
+    openvdb::CoordBBox all{openvdb::Coord(-kFar), openvdb::Coord(kFar - 1)};
+    const Period& period = velocity.period();
+    for (int axis = 0; axis < 3; ++axis) {
+        if (period.size[axis] == 0) continue;
+        all.min()[axis] = period.first[axis];
+        all.max()[axis] = period.first[axis] + period.size[axis] - 1;
+    }
+    mRoot = build(std::move(leaves), all, 0, ranks);
 }
 
 /// @return the number of the node, or −1 − rank
@@ -119,7 +126,7 @@ std::vector<std::uint32_t> leavesIn(const Domain& domain, const openvdb::CoordBB
 {
     std::vector<std::uint32_t> leaves;
     for (std::size_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
-        if (box.isInside(domain.origin(leaf))) leaves.push_back(std::uint32_t(leaf));
+        if (domain.period().isSeenIn(box, domain.origin(leaf))) leaves.push_back(std::uint32_t(leaf));
     }
     return leaves;
 }

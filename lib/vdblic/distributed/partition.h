@@ -12,7 +12,8 @@
 namespace vdblic {
 
 /// The parts of index space owned by the ranks: boxes with faces between leaves of the velocity. The outer faces are
-/// far away, so every voxel of any domain has one owner. Immutable; any number of threads may read.
+/// far away, or those of a periodic box, so every voxel of any domain has one owner. Immutable; any number of threads
+/// may read.
 ///
 /// Recursive coordinate bisection: Berger & Bokhari, "A partitioning strategy for nonuniform problems on
 /// multiprocessors", IEEE Transactions on Computers C-36, 1987. Every rank computes the same cuts.
@@ -60,7 +61,8 @@ template<Space kSpace>
     return {{box.voxels.min() - rim.voxels, box.voxels.max() + rim.voxels}};
 }
 
-/// The leaves of a domain whose first voxels lie in a box of its index space, ascending.
+/// The leaves of a domain whose first voxels, or images of these in a periodic box, lie in a box of its index space,
+/// ascending.
 [[nodiscard]] std::vector<std::uint32_t> leavesIn(const Domain& domain, const openvdb::CoordBBox& box);
 
 } // namespace vdblic

@@ -120,14 +120,19 @@ Vec3STree::Ptr takenOut(Vec3STree& tree, const VoxelBox<Space::kVelocity>& box)
 }
 
 void addParts(Vec3STree& tree, Exchange& exchange, const Partition& partition,
-              const std::vector<VoxelBox<Space::kVelocity>>& wanted)
+              const std::vector<VoxelBox<Space::kVelocity>>& wanted, const Period& period)
 {
+    const Coord next(period.size[0] > 0, period.size[1] > 0, period.size[2] > 0);
     const CoordBBox& mine = partition.box(exchange.rank()).voxels;
     std::vector<Exchange::Bytes> messages(std::size_t(exchange.size()));
     for (int rank = 0; rank < exchange.size(); ++rank) {
-        CoordBBox common = wanted[std::size_t(rank)].voxels;
-        common.intersect(mine);
-        if (rank != exchange.rank() && common.hasVolume()) messages[std::size_t(rank)] = velocityMessage(tree, common);
+        if (rank == exchange.rank()) continue;
+        for (CoordBBox::Iterator<true> turn(CoordBBox(-next, next)); turn; ++turn) {
+            CoordBBox common = wanted[std::size_t(rank)].voxels;
+            common.translate({(*turn)[0] * period.size[0], (*turn)[1] * period.size[1], (*turn)[2] * period.size[2]});
+            common.intersect(mine);
+            if (common.hasVolume()) messages[std::size_t(rank)] += velocityMessage(tree, common);
+        }
     }
     for (const Exchange::Bytes& message : exchange.swap(std::move(messages)))
         readInto(tree, message);

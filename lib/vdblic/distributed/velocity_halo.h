@@ -16,8 +16,9 @@ namespace vdblic {
 /// Add other ranks' values to a rank's part of a velocity. Collective.
 /// @param tree   contains the values in the rank's own box
 /// @param wanted the box in which each rank needs values, whole leaves
+/// @param period of the velocity: values whose images lie in the box are added too
 void addParts(openvdb::Vec3STree& tree, Exchange& exchange, const Partition& partition,
-              const std::vector<VoxelBox<Space::kVelocity>>& wanted);
+              const std::vector<VoxelBox<Space::kVelocity>>& wanted, const Period& period);
 
 /// The active voxels of a velocity whose parts are spread over the ranks in any way. Collective.
 /// @throws InputError if two ranks have the same voxel

@@ -87,7 +87,7 @@ void CubicBrick::gather(const Velocities<Space::kTexture, Per::kStep>& velocitie
         for (int y = 0; y < mSize[1]; ++y) {
             for (int z = 0; z < mSize[2]; ++z) {
                 openvdb::Vec3f value;
-                const bool active = values.probeValue(mFirst.offsetBy(x, y, z), value);
+                const bool active = values.probeValue(velocities.period.wrapped(mFirst.offsetBy(x, y, z)), value);
                 value = toStep * value;
                 mBlock[std::size_t(index(x, y, z))] = active ? Float4{value[0], value[1], value[2], 1} : Float4{};
                 whole = whole && active;

@@ -25,7 +25,7 @@ using openvdb::Vec3d;
 using openvdb::Vec3f;
 
 /// The derivatives of the stored values along the index axes, as columns.
-Mat3d indexGradient(const openvdb::Vec3SGrid::ConstAccessor& velocities, const Coord& at)
+Mat3d indexGradient(const openvdb::Vec3SGrid::ConstAccessor& velocities, const Coord& at, const Period& period = {})
 {
     const Vec3f here = velocities.getValue(at);
     Mat3d gradient;
@@ -34,7 +34,8 @@ Mat3d indexGradient(const openvdb::Vec3SGrid::ConstAccessor& velocities, const C
         ++next[axis];
         --last[axis];
         Vec3f after, before;
-        const bool hasAfter = velocities.probeValue(next, after), hasBefore = velocities.probeValue(last, before);
+        const bool hasAfter = velocities.probeValue(period.wrapped(next), after),
+                   hasBefore = velocities.probeValue(period.wrapped(last), before);
         Vec3d slope(0);
         if (hasAfter || hasBefore) slope = Vec3d(hasAfter ? after : here) - Vec3d(hasBefore ? before : here);
         gradient.setCol(axis, hasAfter && hasBefore ? slope * 0.5 : slope);
@@ -82,7 +83,8 @@ std::vector<openvdb::FloatGrid::Ptr> derivedGrids(const std::vector<std::string>
             const openvdb::Vec3SGrid::ConstAccessor accessor = velocities.getConstAccessor();
             for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
                 const Coord at = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
-                values[leaf][voxel.pos()] = quantity(unit.matrix * indexGradient(accessor, at) * toIndex);
+                values[leaf][voxel.pos()] =
+                    quantity(unit.matrix * indexGradient(accessor, at, domain.period()) * toIndex);
             }
         });
         grids.push_back(openvdb::FloatGrid::create(values.tree()));

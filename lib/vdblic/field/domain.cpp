@@ -21,7 +21,8 @@ constexpr int kMaxCoordinate = 1 << 17;
 
 } // namespace
 
-Domain::Domain(openvdb::MaskTree::Ptr topology, int ranks) : mTopology(std::move(topology))
+Domain::Domain(openvdb::MaskTree::Ptr topology, int ranks, const Period& period)
+    : mTopology(std::move(topology)), mPeriod(period), mIsPeriodic(!period.isNone())
 {
     checkVoxels(mTopology->activeVoxelCount(), "", ranks, mTopology->activeLeafVoxelCount());
     mTopology->voxelizeActiveTiles();
@@ -78,6 +79,12 @@ std::uint64_t Domain::firstVoxelNumber(std::size_t leaf) const
     const openvdb::Coord c = mLeaves[leaf]->origin();
     const int leafIndex = LeafBlock::leafIndex(c[0], c[1], c[2]);
     return (std::uint64_t(blockIndex(c)) * LeafBlock::kCount + std::uint64_t(leafIndex)) * kLeafVoxels;
+}
+
+/// findLeaf() of a voxel outside a periodic box.
+int Domain::leafOfImage(const openvdb::Coord& voxel) const
+{
+    return leafAt(mPeriod.wrapped(voxel));
 }
 
 std::size_t Domain::blockIndex(const openvdb::Coord& voxel) const

@@ -3,6 +3,7 @@
 #include "vdblic/field/inlined.h"
 #include "vdblic/field/leaf_box.h"
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/period.h"
 
 #include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
@@ -32,8 +33,9 @@ class Domain {
 
     /// @param topology active voxels and OpenVDB tiles; tiles are expanded to voxels
     /// @param ranks    that share the voxels' values
+    /// @param period   of a periodic box that has all the voxels
     /// @throws InputError if the voxels exceed the memory or the index range of the table of leaves
-    explicit Domain(openvdb::MaskTree::Ptr topology, int ranks = 1);
+    explicit Domain(openvdb::MaskTree::Ptr topology, int ranks = 1, const Period& period = {});
 
     /// The same domain with other own and local leaves. @param own, local ascending; local ones include the own
     [[nodiscard]] std::shared_ptr<const Domain> ofRank(std::vector<std::uint32_t> own,
@@ -48,25 +50,22 @@ class Domain {
     [[nodiscard]] openvdb::Coord origin(std::size_t leaf) const { return mLeaves[leaf]->origin(); }
     [[nodiscard]] const Mask& mask(std::size_t leaf) const { return mLeaves[leaf]->getValueMask(); }
     [[nodiscard]] const LeafBox& box(std::size_t leaf) const { return mBoxes[leaf]; }
+    [[nodiscard]] const Period& period() const { return mPeriod; }
     [[nodiscard]] std::size_t voxelCount() const { return mVoxelCount; } ///< of all leaves, own or not
 
     /// The number of a leaf's first voxel; offsets in the leaf give the others. Depends on the domain's voxels alone;
     /// below 2⁴³.
     [[nodiscard]] std::uint64_t firstVoxelNumber(std::size_t leaf) const;
 
-    /// The number of the local leaf that covers a voxel, active or not; −1 if there is none.
+    /// The number of the local leaf that covers a voxel, active or not; −1 if there is none. Outside a periodic box,
+    /// the leaf that the voxel's image is in: offset() is the same in both.
     /// @param voxel an openvdb::Coord or any type with three coordinates
     template<typename Voxel>
     [[nodiscard]] VDBLIC_INLINE int findLeaf(const Voxel& voxel) const
     {
-        const auto x = unsigned((voxel[0] >> LeafBlock::kLog2Voxels) - mFirstBlock[0]);
-        const auto y = unsigned((voxel[1] >> LeafBlock::kLog2Voxels) - mFirstBlock[1]);
-        const auto z = unsigned((voxel[2] >> LeafBlock::kLog2Voxels) - mFirstBlock[2]);
-        if (x >= mBlockDim[0] || y >= mBlockDim[1] || z >= mBlockDim[2]) return -1;
-        const int block = mBlocks[(std::size_t(x) * mBlockDim[1] + y) * mBlockDim[2] + z];
-        if (block < 0) return -1;
-        const int leafIndex = LeafBlock::leafIndex(voxel[0], voxel[1], voxel[2]);
-        return mLeafOfBlock[std::size_t(block) * LeafBlock::kCount + std::size_t(leafIndex)];
+        const int leaf = leafAt(voxel);
+        if (__builtin_expect(leaf >= 0, 1) || !mIsPeriodic) return leaf;
+        return leafOfImage({voxel[0], voxel[1], voxel[2]});
     }
 
     /// Index of a voxel among its leaf's values.
@@ -82,10 +81,27 @@ class Domain {
     }
 
   private:
-    openvdb::MaskTree::Ptr mTopology;
+    /// findLeaf() without images.
+    template<typename Voxel>
+    [[nodiscard]] VDBLIC_INLINE int leafAt(const Voxel& voxel) const
+    {
+        const auto x = unsigned((voxel[0] >> LeafBlock::kLog2Voxels) - mFirstBlock[0]);
+        const auto y = unsigned((voxel[1] >> LeafBlock::kLog2Voxels) - mFirstBlock[1]);
+        const auto z = unsigned((voxel[2] >> LeafBlock::kLog2Voxels) - mFirstBlock[2]);
+        if (x >= mBlockDim[0] || y >= mBlockDim[1] || z >= mBlockDim[2]) return -1;
+        const int block = mBlocks[(std::size_t(x) * mBlockDim[1] + y) * mBlockDim[2] + z];
+        if (block < 0) return -1;
+        const int leafIndex = LeafBlock::leafIndex(voxel[0], voxel[1], voxel[2]);
+        return mLeafOfBlock[std::size_t(block) * LeafBlock::kCount + std::size_t(leafIndex)];
+    }
+
+    [[nodiscard]] int leafOfImage(const openvdb::Coord& voxel) const;
     void placeLeaves();
     [[nodiscard]] std::size_t blockIndex(const openvdb::Coord& voxel) const; // index in mBlocks
 
+    openvdb::MaskTree::Ptr mTopology;
+    Period mPeriod;
+    bool mIsPeriodic;
     std::vector<const Leaf*> mLeaves;
     std::vector<LeafBox> mBoxes; // of the leaves
     std::vector<std::uint32_t> mOwn, mLocal;

@@ -2,12 +2,14 @@
 
 #include "vdblic/core/errors.h"
 #include "vdblic/core/memory.h"
+#include "vdblic/field/leaf_voxel.h"
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/vdb_file.h"
 
 #include <fmt/format.h>
 #include <openvdb/tree/LeafManager.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -110,7 +112,37 @@ openvdb::GridBase::Ptr readMask(const std::string& argument, std::int64_t frame,
     return grid;
 }
 
+/// @param topology the active voxels of a velocity. @throws InputError
+Period periodOf(const openvdb::MaskTree& topology, const std::vector<std::string>& axes)
+{
+    Period period;
+    openvdb::CoordBBox box;
+    if (axes.empty() || !topology.evalActiveVoxelBoundingBox(box)) return period;
+    for (const std::string& name : axes) {
+        const int axis = name[0] - 'x', first = box.min()[axis], size = box.dim()[axis];
+        if (LeafVoxel::local(first) != 0 || LeafVoxel::local(size) != 0) {
+            throw InputError(
+                fmt::format("along {} its {} voxels, {} to {}, cannot be `periodic`: a period is a multiple "
+                            "of {} voxels and begins at one; leave a repeated last layer out with `box`, "
+                            "or give the velocity another size, as vdblic_import --size does",
+                            name, size, first, box.max()[axis], LeafVoxel::kDim));
+        }
+        period.first[axis] = first;
+        period.size[axis] = size;
+    }
+    return period;
+}
+
 } // namespace
+
+Parameter periodicParameter(std::vector<std::string>& axes)
+{
+    Parameter result =
+        parameter("periodic", "Axes along which the flow repeats: what leaves on one side enters on the other.", axes,
+                  {.words = "AXIS,AXIS"});
+    result.choices = {"x", "y", "z"};
+    return result;
+}
 
 Parameters parametersOf(DomainParams& params)
 {
@@ -121,6 +153,7 @@ Parameters parametersOf(DomainParams& params)
                   {.option = "--bbox", .words = "X Y Z X Y Z"}),
         parameter("world_box", "Compute only in a box of world space: low and high corner.", params.worldBox,
                   {.option = "--bbox-world", .words = "X Y Z X Y Z"}),
+        periodicParameter(params.periodic),
         refineParameter("Texture voxels along each axis in a voxel of the velocity.", params.refinement),
         parameter("interpolation", "Of the velocity between its voxels, with refinement.",
                   params.refinement.interpolation, {.words = "HOW"}),
@@ -140,6 +173,10 @@ void DomainParams::validate() const
     if (box) check(*box, "box");
     if (worldBox) check(*worldBox, "world box");
     refinement.validate();
+    for (const std::string& axis : periodic) {
+        if (std::count(periodic.begin(), periodic.end(), axis) > 1)
+            throw ParameterError(fmt::format("`periodic` has the axis {} twice", axis));
+    }
 }
 
 FrameDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Transform& transform,
@@ -150,6 +187,7 @@ FrameDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Tra
         const auto& b = *params.box;
         topology->clip({Coord(b[0], b[1], b[2]), Coord(b[3], b[4], b[5])});
     }
+    const Period period = periodOf(*topology, params.periodic);
     const openvdb::MaskTree::Ptr texture = refinement.isNone() ? topology : refinement.refined(*topology, ranks);
     const openvdb::math::Transform::Ptr textureTransform = refinement.refined(transform);
     if (params.worldBox) {
@@ -161,9 +199,10 @@ FrameDomain makeDomain(openvdb::MaskTree::Ptr topology, const openvdb::math::Tra
         const auto mask = readMask(params.mask, frame, where);
         cutByMask(*texture, *textureTransform, *mask, where, ranks);
     }
-    if (refinement.isNone()) return {std::make_shared<Domain>(texture, ranks)};
+    const auto ofTexture = std::make_shared<Domain>(texture, ranks, refinement.refined(period));
+    if (refinement.isNone()) return {ofTexture};
     if (params.worldBox || !params.mask.empty()) topology = refinement.coarsened(*texture, *topology);
-    return {std::make_shared<Domain>(texture, ranks), std::make_shared<Domain>(topology, ranks), refinement};
+    return {ofTexture, std::make_shared<Domain>(topology, ranks, period), refinement};
 }
 
 } // namespace vdblic

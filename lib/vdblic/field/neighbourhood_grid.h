@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/field/period.h"
 #include "vdblic/field/vector.h"
 
 #include <openvdb/openvdb.h>
@@ -14,12 +15,12 @@ namespace vdblic {
 
 /// Points in index space, binned in cells of one spacing, for neighbour search. Distances are in spacings.
 ///
-/// Cells do not depend on the domain. Any number of threads may search, each with its own Look, but not while points
-/// are added.
+/// Cells do not depend on the domain. In a periodic box, points near a side are there beyond the opposite one too. Any
+/// number of threads may search, each with its own Look, but not while points are added.
 class NeighbourhoodGrid {
   public:
-    explicit NeighbourhoodGrid(const std::array<float, 3>& spacing)
-        : mScale{1 / spacing[0], 1 / spacing[1], 1 / spacing[2]}, mCells(-1), mEnter(mCells)
+    explicit NeighbourhoodGrid(const std::array<float, 3>& spacing, const Period& period = {})
+        : mScale{1 / spacing[0], 1 / spacing[1], 1 / spacing[2]}, mPeriod(period), mCells(-1), mEnter(mCells)
     {
     }
 
@@ -30,14 +31,8 @@ class NeighbourhoodGrid {
         return {int(std::floor(at[0])), int(std::floor(at[1])), int(std::floor(at[2]))};
     }
 
-    /// Add a point. @param number passed to the predicate of anyWithin()
-    void add(const std::array<float, 3>& position, std::uint32_t number)
-    {
-        const openvdb::Coord cell = this->cell(position);
-        mPoints.push_back({scaled(position), number, mEnter.getValue(cell)});
-        mEnter.setValue(cell, std::int32_t(mPoints.size()) - 1);
-    }
-
+    /// Add a point. @param position in the periodic box  @param number passed to the predicate of anyWithin()
+    void add(const std::array<float, 3>& position, std::uint32_t number) { addImages(position, number, 0); }
     /// One thread's view of the points.
     class Look {
       public:
@@ -70,6 +65,30 @@ class NeighbourhoodGrid {
 
   private:
     using Point = std::array<float, 3>;
+
+    /// Add a point, and its images that are at most a spacing outside the box along this and the following axes.
+    void addImages(const Point& position, std::uint32_t number, std::size_t axis)
+    {
+        if (axis == 3) return addOne(position, number);
+        addImages(position, number, axis + 1);
+        const auto size = float(mPeriod.size[int(axis)]), begin = float(mPeriod.first[int(axis)]) - 0.5f;
+        if (size == 0) return;
+        const float spacing = 1 / mScale[axis];
+        for (const float way : {-size, size}) {
+            Point image = position;
+            image[axis] += way;
+            if (image[axis] >= begin - spacing && image[axis] <= begin + size + spacing)
+                addImages(image, number, axis + 1);
+        }
+    }
+
+    void addOne(const Point& position, std::uint32_t number)
+    {
+        const openvdb::Coord cell = this->cell(position);
+        mPoints.push_back({scaled(position), number, mEnter.getValue(cell)});
+        mEnter.setValue(cell, std::int32_t(mPoints.size()) - 1);
+    }
+
     struct Entry {
         Point at; // [spacings]
         std::uint32_t number;
@@ -87,6 +106,7 @@ class NeighbourhoodGrid {
     }
 
     std::array<float, 3> mScale;
+    Period mPeriod;
     std::vector<Entry> mPoints;
     openvdb::Int32Tree mCells; // the last point added to each cell, or −1
     openvdb::tree::ValueAccessor<openvdb::Int32Tree> mEnter;

@@ -131,6 +131,11 @@ std::optional<Refinement> Refinement::between(const openvdb::math::Transform& ve
     return refinement;
 }
 
+Period Refinement::refined(const Period& velocity) const
+{
+    return {firstOf(velocity.first, factors), firstOf(velocity.size, factors)};
+}
+
 MaskTree::Ptr Refinement::refined(const MaskTree& velocity, int ranks) const
 {
     const auto each = std::uint64_t(voxels());

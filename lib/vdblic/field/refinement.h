@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/core/parameters.h"
+#include "vdblic/field/period.h"
 #include "vdblic/field/units.h"
 #include "vdblic/field/velocities.h"
 
@@ -48,7 +49,7 @@ struct Refinement {
     [[nodiscard]] Velocities<Space::kTexture, kTime>
     toTexture(const Velocities<Space::kVelocity, kTime>& velocities) const
     {
-        return {velocities.stored, toTexture(velocities.unit)};
+        return {velocities.stored, toTexture(velocities.unit), velocities.period};
     }
 
     /// The voxel of the velocity that a texture voxel lies in.
@@ -63,6 +64,9 @@ struct Refinement {
     /// The refinement whose refined() transform of the velocity is the texture's, if there is one.
     [[nodiscard]] static std::optional<Refinement> between(const openvdb::math::Transform& velocity,
                                                            const openvdb::math::Transform& texture);
+
+    /// A period of the velocity in voxels of the texture.
+    [[nodiscard]] Period refined(const Period& velocity) const;
 
     /// The texture voxels in active voxels of the velocity; tiles are expanded.
     /// Computed in parallel. @param ranks that share the voxels. @throws InputError if they exceed the memory

@@ -24,6 +24,7 @@ Slabs::Slabs(const Domain& domain, const Refinement& refinement)
     for (const std::uint32_t leaf : domain.local())
         box.expand(domain.origin(leaf));
     mAxis = int(box.maxExtent());
+    mPeriod = LeafVoxel::leafCoordinate(domain.period().size[mAxis]);
     const std::size_t enough = fewestLeaves();
     sortLeaves(domain);
     for (std::size_t i = 0; i < mLeaves.size(); ++i) {
@@ -48,6 +49,18 @@ Slabs::Slabs(const Slabs& refined, const Domain& velocity, const Refinement& ref
             ++leaf;
     }
     sortSlabs();
+}
+
+std::pair<std::size_t, std::size_t> Slabs::awayFromSeam(int reach) const
+{
+    std::size_t begin = 0, end = size();
+    if (mPeriod == 0) return {begin, end};
+    const auto isNear = [&](const Slab& late, const Slab& early) { return early.first + mPeriod - late.last <= reach; };
+    while (begin < size() && isNear(mSlabs.back(), mSlabs[begin]))
+        ++begin;
+    while (end > 0 && isNear(mSlabs[end - 1], mSlabs.front()))
+        --end;
+    return {begin, end};
 }
 
 /// Sort by layer, then by number.

@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -32,20 +34,38 @@ class Slabs {
     [[nodiscard]] Leaves operator[](std::size_t slab) const;
 
     /// Call work(slab) for each slab in order. Every slab within `reach` leaves is passed to open() before; slabs out
-    /// of reach of all later ones are passed to close().
+    /// of reach of all later ones are passed to close(). In a periodic box the last slabs, in reach of the first, are
+    /// opened before all others, and the first, in reach of the last, closed after all others.
     template<typename Open, typename Close, typename Work>
     void sweep(int reach, const Open& open, const Close& close, const Work& work) const
     {
-        std::size_t first = 0, last = 0;
+        const auto [begin, end] = awayFromSeam(reach);
+        for (std::size_t slab = end; slab < size(); ++slab)
+            open(slab);
+        std::size_t first = begin, last = 0;
         for (std::size_t slab = 0; slab < size(); ++slab) {
             for (; distance(first, slab) > reach; ++first)
                 close(first);
-            for (; last < size() && distance(slab, last) <= reach; ++last)
+            for (; last < end && distance(slab, last) <= reach; ++last)
                 open(last);
             work(slab);
         }
-        for (; first < last; ++first)
+        for (; first < size(); ++first)
             close(first);
+        for (std::size_t slab = 0; slab < begin; ++slab)
+            close(slab);
+    }
+
+    /// The slab before or after one; in a periodic box the first follows the last. Nothing where there is none.
+    [[nodiscard]] std::optional<std::size_t> before(std::size_t slab) const
+    {
+        if (slab > 0) return slab - 1;
+        return mPeriod > 0 ? std::optional(size() - 1) : std::nullopt;
+    }
+    [[nodiscard]] std::optional<std::size_t> after(std::size_t slab) const
+    {
+        if (slab + 1 < size()) return slab + 1;
+        return mPeriod > 0 ? std::optional<std::size_t>(0) : std::nullopt;
     }
 
   private:
@@ -60,10 +80,15 @@ class Slabs {
         return before < after ? mSlabs[after].first - mSlabs[before].last : 0;
     }
 
+    /// The slabs from which no path crosses the seam of a periodic box: all if there is none.
+    /// @return the first of them, and the one after the last
+    [[nodiscard]] std::pair<std::size_t, std::size_t> awayFromSeam(int reach) const;
+
     void sortLeaves(const Domain& domain);
     void sortSlabs();
 
     int mAxis = 0;
+    int mPeriod = 0; // layers of a periodic box; 0 if the axis has no period
     std::vector<std::uint32_t> mLeaves;
     std::vector<Slab> mSlabs;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/field/period.h"
 #include "vdblic/field/units.h"
 
 #include <openvdb/openvdb.h>
@@ -15,13 +16,15 @@ struct StoredSpeeds {
     [[nodiscard]] float operator[](std::size_t axis) const { return along[axis]; }
 };
 
-/// The stored velocities of one frame, and their conversion to a space and time unit.
+/// The stored velocities of one frame, and their conversion to a space and time unit. In a periodic box they are those
+/// of period.wrapped() voxels.
 template<Space kSpace, Per kTime>
 struct Velocities {
     const openvdb::Vec3STree& stored; ///< on voxel centres, in any unit
     FromStored<kSpace, kTime> unit;
+    Period period{}; ///< in stored voxels
 
-    [[nodiscard]] Velocities operator*(double factor) const { return {stored, unit * factor}; }
+    [[nodiscard]] Velocities operator*(double factor) const { return {stored, unit * factor, period}; }
 };
 
 } // namespace vdblic

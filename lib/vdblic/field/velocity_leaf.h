@@ -19,8 +19,9 @@ class VelocityLeaf {
     /// @param velocities the stored ones must outlive this  @param origin of the leaf
     template<Space kSpace, Per kTime>
     VelocityLeaf(const Velocities<kSpace, kTime>& velocities, const openvdb::Coord& origin)
-        : mLeaf(velocities.stored.probeConstLeaf(origin))
     {
+        const openvdb::Coord at = velocities.period.wrapped(origin);
+        mLeaf = velocities.stored.probeConstLeaf(at);
         for (int to = 0; to < 3; ++to) {
             for (int from = 0; from < 3; ++from)
                 mUnit[from][to] = float(velocities.unit.matrix(to, from));
@@ -28,7 +29,7 @@ class VelocityLeaf {
         if (mLeaf) {
             mStored = mLeaf->buffer().data();
         } else {
-            mIsActive = velocities.stored.probeValue(origin, mConstant);
+            mIsActive = velocities.stored.probeValue(at, mConstant);
         }
     }
 

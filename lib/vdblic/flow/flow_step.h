@@ -28,7 +28,9 @@ struct FlowStep {
   private:
     [[nodiscard]] Velocity velocitiesOf(const VelocityFrame& frame) const
     {
-        return {frame.values->tree(), {frame.toVoxelsPerFrame(interval).matrix * (1.0 / substeps)}};
+        return {frame.values->tree(),
+                {frame.toVoxelsPerFrame(interval).matrix * (1.0 / substeps)},
+                frame.domain.velocity->period()};
     }
 };
 

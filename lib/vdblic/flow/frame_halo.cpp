@@ -68,12 +68,13 @@ void handOver(Exchange& exchange, VelocityFrame& frame, std::shared_ptr<const Pa
     for (int rank = 0; rank < exchange.size(); ++rank)
         boxes.push_back(partition->box(rank));
     const openvdb::Vec3SGrid::Ptr values = frame.values;
-    addParts(values->tree(), exchange, *frame.partition, boxes);
+    addParts(values->tree(), exchange, *frame.partition, boxes, {});
     frame.partition = std::move(partition);
     keepPart(frame, exchange.rank(), *values);
 }
 
-std::vector<Rim<Space::kTexture>> haloDepths(Exchange& exchange, const Partition& partition, const Farthest& farthest)
+std::vector<Rim<Space::kTexture>> haloDepths(Exchange& exchange, const Partition& partition, const Farthest& farthest,
+                                             const Period& period)
 {
     const auto ranks = std::size_t(partition.ranks()), mine = std::size_t(exchange.rank());
     std::vector<double> paths(3 * ranks, 0); // along three axes, from each rank's voxels
@@ -87,7 +88,7 @@ std::vector<Rim<Space::kTexture>> haloDepths(Exchange& exchange, const Partition
         const VoxelBox<Space::kTexture> around = dilated(partition.textureBox(int(mine)), depth);
         std::array<double, 3> most{};
         for (std::size_t rank = 0; rank < ranks; ++rank) {
-            if (!around.voxels.hasOverlap(partition.textureBox(int(rank)).voxels)) continue;
+            if (!period.overlap(around.voxels, partition.textureBox(int(rank)).voxels)) continue;
             for (std::size_t axis = 0; axis < 3; ++axis)
                 most[axis] = std::max(most[axis], paths[3 * rank + axis]);
         }
@@ -124,7 +125,7 @@ void surround(Exchange& exchange, VelocityFrame& frame, const std::vector<Rim<Sp
         std::vector<VoxelBox<Space::kVelocity>> boxes;
         for (std::size_t rank = 0; rank < depths.size(); ++rank)
             boxes.push_back(dilated(partition.box(int(rank)), frame.rims[rank]));
-        addParts(frame.values->tree(), exchange, partition, boxes);
+        addParts(frame.values->tree(), exchange, partition, boxes, frame.domain.velocity->period());
     }
     const VoxelBox<Space::kVelocity> own = partition.box(int(mine));
     const VoxelBox<Space::kTexture> texture = partition.textureBox(int(mine));

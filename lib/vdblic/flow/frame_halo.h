@@ -24,8 +24,9 @@ struct Farthest {
 
 /// The depth of each rank's halo, whole leaves: no path leaves the ranks that its halo touches. Fast voxels deepen only
 /// the halos that touch their rank. Collective; all ranks return the same.
+/// @param period of the texture
 [[nodiscard]] std::vector<Rim<Space::kTexture>> haloDepths(Exchange& exchange, const Partition& partition,
-                                                           const Farthest& farthest);
+                                                           const Farthest& farthest, const Period& period = {});
 
 /// Add the halo to a rank's part of a frame. Collective.
 /// @param depths of all ranks' halos

@@ -297,8 +297,15 @@ void VelocitySequence::lookAhead(std::launch how)
     });
 }
 
-void VelocitySequence::checkSuccession(const VelocityFrame& velocity) const
+void VelocitySequence::checkSuccession(const VelocityFrame& velocity)
 {
+    const Domain& domain = *velocity.domain.velocity;
+    if (!mPeriod && domain.voxelCount() > 0) mPeriod = domain.period();
+    if (domain.voxelCount() > 0 && domain.period() != *mPeriod) {
+        throw InputError(fmt::format("{}: grid {}: the active voxels end elsewhere than in the frames before, which a "
+                                     "`periodic` box cannot: fill it, or give it with `box`",
+                                     velocity.file.path.string(), velocity.gridName));
+    }
     if (!mLastValues || mLastValues->transform() == velocity.values->transform()) return;
     throw InputError(fmt::format("{}: grid {}: the transform differs from that of the frame before; {}",
                                  velocity.file.path.string(), velocity.gridName,

@@ -77,7 +77,7 @@ class VelocitySequence {
     [[nodiscard]] double secondsSinceStart(const FrameFile& file, const FrameTimes& times) const;
     void checkObserved(const VelocityFrame& current, const VelocityFrame& next, double interval) const;
     void lookAhead(std::launch how);
-    void checkSuccession(const VelocityFrame& velocity) const;
+    void checkSuccession(const VelocityFrame& velocity);
     void sayOnce(const std::string& message);
 
     VelocitySequenceParams mParams;
@@ -88,6 +88,7 @@ class VelocitySequence {
     // Of the previous frame; without its domain if that is a rank's part: the next frame needs the whole.
     openvdb::Vec3SGrid::ConstPtr mLastValues;
     FrameDomain mLastDomain;
+    std::optional<Period> mPeriod;                   // of all frames with voxels
     std::int64_t mSpacing = 0;                       // of the frame numbers on disk; 0 until known
     std::shared_ptr<const ReferenceFrame> mObserver; // null at rest, and before the first frame
     std::optional<FrameFile> mStart;                 // of a moving observer; the source's first until mObserver is set

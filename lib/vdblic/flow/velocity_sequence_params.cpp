@@ -1,5 +1,7 @@
 #include "vdblic/flow/velocity_sequence_params.h"
 
+#include "vdblic/core/errors.h"
+
 namespace vdblic {
 
 Parameters parametersOf(VelocitySequenceParams& params)
@@ -21,6 +23,11 @@ void VelocitySequenceParams::validate() const
     velocity.validate();
     domain.validate();
     observer.validate();
+    if (!domain.periodic.empty() && !observer.isAtRest()) {
+        throw ParameterError(
+            "`periodic` and an observer who moves exclude each other: the observer's box would leave the "
+            "period; leave one out");
+    }
     VelocitySequenceParams copy = *this;
     checkLimits(parametersOf(copy));
 }

@@ -30,7 +30,7 @@ LeafVelocities::LeafVelocities(const Velocities<Space::kTexture, Per::kStep>& ve
         for (int y = 0; y < mCorners[1]; ++y) {
             for (int z = 0; z < mCorners[2]; ++z) {
                 openvdb::Vec3f value;
-                const bool active = values.probeValue(first.offsetBy(x, y, z), value);
+                const bool active = values.probeValue(velocities.period.wrapped(first.offsetBy(x, y, z)), value);
                 plane[std::size_t(y)][std::size_t(z)] = active ? Float4{value[0], value[1], value[2], 1} : Float4{};
             }
         }

@@ -82,7 +82,7 @@ void SharedRun::surround(VelocityFrame& start, VelocityFrame& end, double second
         farthest.path.along[axis] += float(start.domain.refinement.factors[axis]) - 1;
         farthest.upstream.along[axis] = fastest[axis] + 1;
     }
-    mDepths = haloDepths(mExchange, *start.partition, farthest);
+    mDepths = haloDepths(mExchange, *start.partition, farthest, start.domain.texture->period());
     vdblic::surround(mExchange, start, mDepths);
     if (&end != &start) vdblic::surround(mExchange, end, mDepths);
 }

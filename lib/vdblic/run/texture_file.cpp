@@ -21,6 +21,7 @@
 #include "vdblic/run/velocity_output.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cstddef>
@@ -113,6 +114,8 @@ openvdb::MetaMap parameterMetadata(const AdvectPlan& plan, const Refinement& ref
     const std::array<int, 3>& factors = refinement.factors;
     metadata.insertMeta("refine", openvdb::Vec3IMetadata(openvdb::Vec3i(factors[0], factors[1], factors[2])));
     metadata.insertMeta("interpolation", openvdb::StringMetadata(std::string(nameOf(refinement.interpolation))));
+    if (const std::vector<std::string>& axes = params.flow.domain.periodic; !axes.empty())
+        metadata.insertMeta("periodic", openvdb::StringMetadata(fmt::format("{}", fmt::join(axes, ","))));
     metadata.insertMeta("sample_spacing", openvdb::FloatMetadata(texture.pathline.sampleSpacing));
     metadata.insertMeta("tolerance", openvdb::FloatMetadata(texture.pathline.tolerance));
     metadata.insertMeta("finish", openvdb::Int32Metadata(plan.finish));

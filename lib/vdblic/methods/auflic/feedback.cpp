@@ -178,7 +178,7 @@ struct FeedForward {
                 (covers(domain, to + path * middle) ? inside : outside) = middle;
             }
         }
-        const Int4 voxel = voxelOf(to + (from - to) * inside);
+        const Int4 voxel = voxelOf(domain.period().wrapped(to + (from - to) * inside));
         return {{voxel[0], voxel[1], voxel[2]}, inside};
     }
 };

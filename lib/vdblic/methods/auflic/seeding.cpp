@@ -114,10 +114,17 @@ VDBLIC_INLINE void TileScatter<Carried>::keep(int lane)
 {
     if (!mCarried.age(mParticle, mWords.data())) return;
     const WindowVoxel end{mEnds[lane]};
-    const Float4 position = mBatch.position.lane(lane);
-    const int leaf = end.slot() == LeafWindow::kElsewhere ? mScene.next.findLeaf(voxelOf(position))
-                                                          : mNextWindow.leaves[std::size_t(end.slot())];
-    if (leaf < 0 || !mScene.next.isActive(leaf, end.offset())) return;
+    Float4 position = mBatch.position.lane(lane);
+    unsigned offset = end.offset();
+    int leaf = end.slot() == LeafWindow::kElsewhere ? mScene.next.findLeaf(voxelOf(position))
+                                                    : mNextWindow.leaves[std::size_t(end.slot())];
+    if (const Period& period = mScene.next.period(); !period.isNone()) {
+        position = period.wrapped(position);
+        const Int4 voxel = voxelOf(position); // rounding may have moved it to the next one
+        leaf = mScene.next.findLeaf(voxel);
+        offset = Domain::offset(voxel);
+    }
+    if (leaf < 0 || !mScene.next.isActive(leaf, offset)) return;
     mParticle.position = toArray(position);
     mParticle.slope = toArray(mBatch.slope.lane(lane));
     mLeaving.add(std::size_t(leaf), mParticle, mWords.data());

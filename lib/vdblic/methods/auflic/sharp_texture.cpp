@@ -5,8 +5,8 @@
 #include "vdblic/field/leaf_window.h"
 #include "vdblic/lic/sharpen.h"
 
-#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 namespace vdblic {
@@ -47,7 +47,8 @@ VDBLIC_KERNEL void fillBrick(const Domain& domain, const std::vector<std::unique
 
 SharpTexture::SharpTexture(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture, float strength,
                            const Slabs& slabs)
-    : mTexture(texture), mStrength(strength), mSlabs(slabs), mContrast(*domain), mValues(domain->leafCount())
+    : mTexture(texture), mStrength(strength), mSlabs(slabs), mContrast(*domain), mValues(domain->leafCount()),
+      mIsSharpened(slabs.size()), mIsFilled(slabs.size())
 {
     mBricks.cover(std::move(domain));
 }
@@ -55,18 +56,30 @@ SharpTexture::SharpTexture(std::shared_ptr<const Domain> domain, const LeafValue
 void SharpTexture::open(std::size_t slab)
 {
     // A brick includes the first voxels of the next leaves.
-    for (const std::size_t needed = std::min(slab + 2, mSlabs.size()); mSharpened < needed; ++mSharpened)
-        sharpenSlab(mSharpened);
+    const std::optional<std::size_t> next = mSlabs.after(slab);
+    sharpenSlab(slab);
+    if (next) sharpenSlab(*next);
     mBricks.fill(mSlabs[slab], [&](std::size_t leaf, TextureRecord* records) {
         const Domain& domain = mBricks.domain();
         fillBrick(domain, mValues, LeafWindow(domain, domain.origin(leaf)), records);
     });
+    mIsFilled[slab] = true;
+    releaseValues(slab);
+    if (next) releaseValues(*next);
+}
+
+/// Free a slab's values, unless bricks to fill need them.
+void SharpTexture::releaseValues(std::size_t slab)
+{
+    if (!mIsFilled[slab] || !mIsFilled[mSlabs.before(slab).value_or(slab)]) return;
     for (const std::uint32_t leaf : mSlabs[slab])
         mValues[leaf].reset();
 }
 
 void SharpTexture::sharpenSlab(std::size_t slab)
 {
+    if (mIsSharpened[slab]) return;
+    mIsSharpened[slab] = true;
     forLeaves(mSlabs[slab], [&](std::size_t leaf) {
         mValues[leaf].reset(new float[LeafVoxel::kCount]);
         sharpen(mBricks.domain(), mTexture, leaf, mStrength, {}, mValues[leaf].get());

@@ -21,7 +21,7 @@ class SharpTexture {
     SharpTexture(std::shared_ptr<const Domain> domain, const LeafValues<float>& texture, float strength,
                  const Slabs& slabs);
 
-    /// Sharpen a slab, in parallel; slabs are opened in order. Only leaves of open slabs can be sampled.
+    /// Sharpen a slab, in parallel. Only leaves of open slabs can be sampled.
     void open(std::size_t slab);
     void close(std::size_t slab) { mBricks.release(mSlabs[slab]); }
 
@@ -54,13 +54,14 @@ class SharpTexture {
 
   private:
     void sharpenSlab(std::size_t slab);
+    void releaseValues(std::size_t slab);
 
     const LeafValues<float>& mTexture;
     float mStrength;
     const Slabs& mSlabs;
     LocalContrast mContrast;
-    std::vector<std::unique_ptr<float[]>> mValues; // sharpened, of leaves whose bricks are not yet filled
-    std::size_t mSharpened = 0;                    // slabs sharpened so far
+    std::vector<std::unique_ptr<float[]>> mValues; // sharpened, of leaves that bricks to fill need
+    std::vector<bool> mIsSharpened, mIsFilled;     // of each slab
     BricksOf<2> mBricks;
 };
 

@@ -13,7 +13,8 @@ constexpr std::size_t kGroupLeaves = 8; // enough for cheap scheduling, few enou
 } // namespace
 
 TileSchedule::TileSchedule(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coord& reach, std::size_t threads)
-    : mApart(2 * reach[0], 2 * reach[1], 2 * reach[2]), mCursor(threads), mBusy(threads)
+    : mApart(2 * reach[0], 2 * reach[1], 2 * reach[2]), mPeriod(domain.period().size >> LeafVoxel::kLog2Dim),
+      mCursor(threads), mBusy(threads)
 {
     for (std::size_t begin = 0; begin < leaves.size(); begin += kGroupLeaves) {
         Group group{leaves.subspan(begin, std::min(kGroupLeaves, leaves.size() - begin)), {}};
@@ -37,8 +38,13 @@ bool TileSchedule::isFree(const Group& group) const
         const openvdb::CoordBBox& other = mGroups[*busy].box;
         bool near = true;
         for (int axis = 0; axis < 3; ++axis) {
-            near = near && group.box.min()[axis] - other.max()[axis] <= mApart[axis] &&
-                   other.min()[axis] - group.box.max()[axis] <= mApart[axis];
+            const auto gap = [&](const openvdb::CoordBBox& before, const openvdb::CoordBBox& after) {
+                return after.min()[axis] - before.max()[axis];
+            };
+            const int forth = gap(other, group.box), back = gap(group.box, other);
+            const bool isNear = std::max(forth, back) <= mApart[axis];
+            const bool isAcross = mPeriod[axis] > 0 && std::min(forth, back) + mPeriod[axis] <= mApart[axis];
+            near = near && (isNear || isAcross);
         }
         if (near) return false;
     }

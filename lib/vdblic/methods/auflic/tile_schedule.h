@@ -38,6 +38,7 @@ class TileSchedule {
     [[nodiscard]] bool isFree(const Group& group) const;
 
     openvdb::Coord mApart;
+    openvdb::Coord mPeriod; // of a periodic box, in leaves; 0 along other axes
     std::vector<Group> mGroups;
     std::vector<bool> mTaken;
     std::vector<std::size_t> mCursor;              // per thread: index of the group to try first

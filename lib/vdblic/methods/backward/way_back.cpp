@@ -16,7 +16,7 @@ Slabs slabsOf(const FrameDomain& first, const FrameDomain& last)
     if (first.texture == last.texture || before.hasSameTopology(after)) return Slabs(*last.texture, last.refinement);
     const auto both = std::make_shared<openvdb::MaskTree>(before);
     both->topologyUnion(after);
-    return Slabs(Domain(both), last.refinement);
+    return Slabs(Domain(both, 1, last.texture->period()), last.refinement);
 }
 
 VDBLIC_KERNEL void advanceBack(const VelocityField& field, const Bricks::Window& window, const PathlineParams& params,

@@ -241,7 +241,7 @@ BackwardTexture::Carried IbfvTexture::first(const FlowStep& step) const
 {
     const Domain& domain = *step.start.domain.texture;
     LeafValues<float> texture(domain, 0.0f, domain.own());
-    const PeriodicNoise now(noise(), steps(), params().substeps);
+    const PeriodicNoise now(noise(), steps(), params().substeps, domain.period());
     const auto gain = float(std::sqrt(mShare / (2 - mShare)));
     forLeaves(domain.own(), [&](std::size_t leaf) {
         std::array<float, CarriedBricks::kSize> values;
@@ -265,7 +265,7 @@ BackwardTexture::Carried IbfvTexture::pullBack(const FlowStep& step, const Carri
     const Domain &first = *step.start.domain.texture, &last = *step.end.domain.texture;
     const LeafValues<float>& texture = before.texture;
     LeafValues<float> result(last, 0.0f, last.own());
-    const PeriodicNoise now(noise(), steps() + 1, params().substeps);
+    const PeriodicNoise now(noise(), steps() + 1, params().substeps, last.period());
     CarriedBricks bricks;
     bricks.cover(step.start.domain.texture);
     const PlaceShares shares(mShare);

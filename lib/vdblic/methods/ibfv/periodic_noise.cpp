@@ -9,7 +9,8 @@ namespace vdblic {
 
 float PeriodicNoise::ofPoint(int x, int y, int z) const
 {
-    const std::uint32_t phase = std::uint32_t(mNoise->at({kSpacing * x, kSpacing * y, kSpacing * z})) + mTurn;
+    const std::uint32_t phase =
+        std::uint32_t(mNoise->at(mPeriod.wrapped({kSpacing * x, kSpacing * y, kSpacing * z}))) + mTurn;
     return (phase & std::uint32_t(kNoiseMax)) <= std::uint32_t(kNoiseMax / 2) ? 1.0f : 0.0f;
 }
 

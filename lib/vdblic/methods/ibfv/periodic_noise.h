@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/period.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/noise/noise.h"
 #include "vdblic/noise/noise_field.h"
@@ -25,9 +26,10 @@ class PeriodicNoise {
     static constexpr int kBrick = LeafVoxel::kDim + 1;
 
     /// The noise at one time. @param noise must outlive this  @param step number  @param substeps steps in a frame
-    PeriodicNoise(const NoiseField& noise, std::uint64_t step, int substeps)
-        : mNoise(&noise), mOfStep(std::uint32_t((kNoiseMax + 1) / (kPeriod * substeps))),
-          mTurn(std::uint32_t(step) * mOfStep)
+    /// @param period of a periodic box, whose images have the same noise
+    PeriodicNoise(const NoiseField& noise, std::uint64_t step, int substeps, const Period& period = {})
+        : mNoise(&noise), mPeriod(period), mIsPeriodicInSpace(!period.isNone()),
+          mOfStep(std::uint32_t((kNoiseMax + 1) / (kPeriod * substeps))), mTurn(std::uint32_t(step) * mOfStep)
     {
     }
     /// Go back by a step, also before the run's first one.
@@ -40,7 +42,15 @@ class PeriodicNoise {
         const Int4 first = floorToInt(points);
         const Float4 part = points - __builtin_convertvector(first, Float4);
         std::int32_t corners[kLanes];
-        mNoise->atCorners({kSpacing * first[0], kSpacing * first[1], kSpacing * first[2]}, kSpacing, corners);
+        const openvdb::Coord low(kSpacing * first[0], kSpacing * first[1], kSpacing * first[2]);
+        if (mIsPeriodicInSpace) {
+            for (int corner = 0; corner < kLanes; ++corner) {
+                corners[corner] = mNoise->at(mPeriod.wrapped(
+                    low.offsetBy(kSpacing * (corner >> 2), kSpacing * (corner >> 1 & 1), kSpacing * (corner & 1))));
+            }
+        } else {
+            mNoise->atCorners(low, kSpacing, corners);
+        }
         Int8 phases;
         std::memcpy(&phases, corners, sizeof phases);
         phases += int(mTurn);
@@ -65,6 +75,8 @@ class PeriodicNoise {
     [[nodiscard]] float ofPoint(int x, int y, int z) const;
 
     const NoiseField* mNoise;
+    Period mPeriod;
+    bool mIsPeriodicInSpace;
     std::uint32_t mOfStep, mTurn; ///< 2⁻¹⁶ periods: per step, and since the first step
 };
 

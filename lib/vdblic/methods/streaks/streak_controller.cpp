@@ -88,9 +88,10 @@ void addPlaces(const Cells& cells, const openvdb::MaskTree& domain, const Domain
 
 } // namespace
 
-std::size_t retireCrowded(std::vector<Streak>& streaks, const std::array<float, 3>& spacing, double time)
+std::size_t retireCrowded(std::vector<Streak>& streaks, const std::array<float, 3>& spacing, double time,
+                          const Period& period)
 {
-    NeighbourhoodGrid grid(spacing);
+    NeighbourhoodGrid grid(spacing, period);
     std::vector<std::uint32_t> live;
     for (std::uint32_t i = 0; i < streaks.size(); ++i) {
         if (!streaks[i].isLive()) continue;
@@ -128,7 +129,7 @@ std::size_t retireCrowded(std::vector<Streak>& streaks, const std::array<float, 
 std::vector<StreakPlace> freePlaces(const std::vector<Streak>& streaks, const std::array<float, 3>& spacing,
                                     const Domain& domain, const Domain& region, std::uint32_t seed, std::uint64_t turn)
 {
-    NeighbourhoodGrid grid(spacing);
+    NeighbourhoodGrid grid(spacing, domain.period());
     for (std::uint32_t i = 0; i < streaks.size(); ++i) {
         if (streaks[i].isLive()) grid.add(headOf(streaks[i]), i);
     }
@@ -149,7 +150,7 @@ std::vector<StreakPlace> freePlaces(const std::vector<Streak>& streaks, const st
     for (const std::vector<StreakPlace>& some : ofLeaves)
         places.insert(places.end(), some.begin(), some.end());
     std::sort(places.begin(), places.end(), [](const StreakPlace& a, const StreakPlace& b) { return a.name < b.name; });
-    NeighbourhoodGrid taken(spacing);
+    NeighbourhoodGrid taken(spacing, domain.period());
     for (const StreakPlace& place : places) {
         const bool isTaken =
             NeighbourhoodGrid::Look(taken).anyWithin(place.position, kFree, [](std::uint32_t) { return true; });

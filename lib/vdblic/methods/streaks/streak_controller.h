@@ -14,8 +14,9 @@ namespace vdblic {
 /// with hysteresis. A streak is released where none lies within 0.85 spacings; of two within 0.45 the younger retires.
 /// So the pattern moves with the flow and changes little. All depends on distances, ages and names alone.
 
-/// Retire the live streaks too near to an older one. @return their number
-std::size_t retireCrowded(std::vector<Streak>& streaks, const std::array<float, 3>& spacing, double time);
+/// Retire the live streaks too near to an older one. @param period of the domain  @return their number
+std::size_t retireCrowded(std::vector<Streak>& streaks, const std::array<float, 3>& spacing, double time,
+                          const Period& period = {});
 
 /// A place for the release of a streak.
 struct StreakPlace {

@@ -212,6 +212,35 @@ openvdb::CoordBBox boxOf(const StreakPiece& piece, const StreakShape& shape)
     return box;
 }
 
+/// Add the images of pieces that reach into a periodic box. @param period in voxels of the texture
+void addImages(const StreakShape& shape, const Period& period, std::vector<StreakPiece>& pieces)
+{
+    constexpr int kMost = 8; // along each axis, of pieces that are far too long
+    if (period.isNone()) return;
+    const std::size_t count = pieces.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const openvdb::CoordBBox box = boxOf(pieces[i], shape);
+        openvdb::CoordBBox turns(openvdb::Coord(0), openvdb::Coord(0));
+        for (int axis = 0; axis < 3; ++axis) {
+            const double size = period.size[axis], first = period.first[axis];
+            if (size == 0) continue;
+            turns.min()[axis] = int(std::ceil((first - box.max()[axis]) / size));
+            turns.max()[axis] =
+                std::min(int(std::floor((first + size - 1 - box.min()[axis]) / size)), turns.min()[axis] + kMost - 1);
+        }
+        for (openvdb::CoordBBox::Iterator<true> turn(turns); turn; ++turn) {
+            if (*turn == openvdb::Coord(0)) continue;
+            StreakPiece image = pieces[i];
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto way = float((*turn)[axis]) * float(period.size[axis]);
+                image.start[std::size_t(axis)] += way;
+                image.end[std::size_t(axis)] += way;
+            }
+            pieces.push_back(image);
+        }
+    }
+}
+
 /// The pieces in reach of each velocity leaf, by a counting sort, in no particular order.
 class ReachedLeaves {
   public:
@@ -303,7 +332,8 @@ openvdb::FloatTree::Ptr treeOf(std::vector<FloatLeaves>& leaves)
 DrawnStreaks drawStreaks(const std::vector<Streak>& streaks, const StreakShape& shape, const Domain& domain,
                          double time, bool hasSources)
 {
-    const std::vector<StreakPiece> pieces = piecesOf(streaks, shape, time);
+    std::vector<StreakPiece> pieces = piecesOf(streaks, shape, time);
+    addImages(shape, shape.refinement.refined(domain.period()), pieces);
     const TextureLeaves leaves(domain, shape.refinement);
     ReachedLeaves reached(pieces, shape, leaves);
     std::vector<FloatLeaves> textures(leaves.coarseCount()), sources(hasSources ? leaves.coarseCount() : 0);

@@ -40,8 +40,10 @@ class TailSampler {
     [[nodiscard]] std::vector<Samples> parts(const Streak& streak) const
     {
         std::vector<Samples> parts;
-        for (const Samples& part : inDomain(samples(streak)))
-            parts.push_back(thinned(part));
+        for (const Samples& part : inBox(samples(streak))) {
+            for (const Samples& inside : inDomain(part))
+                parts.push_back(thinned(inside));
+        }
         return parts;
     }
 
@@ -66,6 +68,64 @@ class TailSampler {
             }
         }
         return all;
+    }
+
+    /// Cut samples at the seams of a periodic box, and move each part into the box.
+    [[nodiscard]] std::vector<Samples> inBox(const Samples& all) const
+    {
+        const Period& period = mDomain.period();
+        if (period.isNone() || all.size() < 2) return {all};
+        std::vector<Samples> parts;
+        openvdb::Vec3f last(0); // way of the last part into the box
+        for (std::size_t i = 1; i < all.size(); ++i) {
+            const std::vector<double> shares = seamsBetween(all[i - 1].position, all[i].position);
+            for (std::size_t k = 1; k < shares.size(); ++k) {
+                if (shares[k] == shares[k - 1]) continue; // seams of two axes meet
+                const Sample from = sampleAt(all[i - 1], all[i], shares[k - 1]),
+                             to = sampleAt(all[i - 1], all[i], shares[k]);
+                const openvdb::Vec3f way = wayIntoBox((from.position + to.position) * 0.5f);
+                if (parts.empty() || way != last) parts.push_back({{from.position + way, from.time}});
+                parts.back().push_back({to.position + way, to.time});
+                last = way;
+            }
+        }
+        return parts;
+    }
+
+    /// Where the straight line between two positions crosses seams: shares of its length, with 0 and 1, ascending.
+    [[nodiscard]] std::vector<double> seamsBetween(const openvdb::Vec3f& a, const openvdb::Vec3f& b) const
+    {
+        constexpr double kMost = 64; // crossings of an axis, by lines that are far too long
+        const Period& period = mDomain.period();
+        std::vector<double> shares{0, 1};
+        for (int axis = 0; axis < 3; ++axis) {
+            const double size = period.size[axis], begin = period.first[axis] - 0.5;
+            if (size == 0) continue;
+            const double from = (double(a[axis]) - begin) / size, to = (double(b[axis]) - begin) / size;
+            const double low = std::min(from, to), high = std::min(std::max(from, to), low + kMost);
+            for (double seam = std::floor(low) + 1; seam < high; ++seam)
+                shares.push_back((seam - from) / (to - from));
+        }
+        std::sort(shares.begin(), shares.end());
+        return shares;
+    }
+
+    [[nodiscard]] static Sample sampleAt(const Sample& a, const Sample& b, double share)
+    {
+        if (share == 0 || share == 1) return share == 0 ? a : b;
+        return {a.position + (b.position - a.position) * float(share), a.time + (b.time - a.time) * share};
+    }
+
+    /// The whole periods from a position to its image in the box.
+    [[nodiscard]] openvdb::Vec3f wayIntoBox(const openvdb::Vec3f& position) const
+    {
+        const Period& period = mDomain.period();
+        openvdb::Vec3f way(0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto size = float(period.size[axis]), begin = float(period.first[axis]) - 0.5f;
+            if (size > 0) way[axis] = -std::floor((position[axis] - begin) / size) * size;
+        }
+        return way;
     }
 
     /// Cut samples at the domain's rim.

@@ -12,6 +12,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -144,13 +145,29 @@ class BackwardPath {
     [[nodiscard]] bool contains(Float4 position) const
     {
         const Int4 voxel = voxelOf(position);
-        return mRegion.topology().isValueOn({voxel[0], voxel[1], voxel[2]});
+        const Period& period = mTurn.field.domain().period();
+        return mRegion.topology().isValueOn(period.wrapped(openvdb::Coord(voxel[0], voxel[1], voxel[2])));
     }
 
     const StreakTurn& mTurn;
     float mTolerance;
     const Domain& mRegion;
 };
+
+/// Move a path so that its head is in a periodic box.
+void moveIntoBox(const Period& period, std::vector<StreakNode>& path)
+{
+    const Position head = path.back().position, in = positionOf(period.wrapped(vectorOf(head)));
+    if (in == head) return;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (in[axis] == head[axis]) continue;
+        const auto size = float(period.size[int(axis)]);
+        const float way = std::round((in[axis] - head[axis]) / size) * size;
+        for (StreakNode& node : path)
+            node.position[axis] += way;
+    }
+    path.back().position = in;
+}
 
 void putNodes(Exchange::Bytes& message, std::uint32_t number, const StreakNode* nodes, std::size_t count)
 {
@@ -250,6 +267,7 @@ std::size_t advanceStreaks(const StreakTurn& turn, const PathlineParams& params,
         });
     }
     for (Streak& streak : streaks) {
+        moveIntoBox(turn.field.domain().period(), streak.path);
         const StreakNode& head = streak.path.back();
         const Int4 voxel = voxelOf(vectorOf(head.position));
         if (head.time < turn.endTime() || !turn.end.topology().isValueOn({voxel[0], voxel[1], voxel[2]}))

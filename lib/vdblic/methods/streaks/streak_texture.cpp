@@ -150,7 +150,8 @@ void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, T
         const StreakTurn turn{field,         *there.domain.velocity, frame, float(i) / kTurns, float(i + 1) / kTurns,
                               mShape.reach()};
         result.stats.steps += advanceStreaks(turn, mTexture.pathline, owners, mStreaks);
-        if (!mParams.emits()) result.stats.blocked += retireCrowded(mStreaks, mShape.spacing, turn.endTime());
+        if (!mParams.emits())
+            result.stats.blocked += retireCrowded(mStreaks, mShape.spacing, turn.endTime(), domain->period());
         const std::shared_ptr<const Domain> emitting = isLast ? emittingPart(end, fileNumber) : region;
         const auto places =
             freePlaces(mStreaks, mShape.spacing, turn.end, *emitting, mSeed, number * kTurns + std::uint64_t(i));

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "vdblic/field/vector.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cmath>
+#include <cstdint>
+
+namespace vdblic {
+
+/// A box whose contents repeat along some axes of an index space, so that what leaves it on one side enters it on the
+/// other. Along such an axis the box begins with a leaf, and its size is a whole number of leaves.
+struct Period {
+    openvdb::Coord first{0}; ///< voxel of the box
+    openvdb::Coord size{0};  ///< [voxels]; 0 along axes without repetition
+
+    [[nodiscard]] bool isNone() const { return size == openvdb::Coord(0); }
+
+    /// The voxel of the box that an image shows; along other axes unchanged.
+    [[nodiscard]] openvdb::Coord wrapped(const openvdb::Coord& voxel) const
+    {
+        openvdb::Coord result;
+        for (int axis = 0; axis < 3; ++axis)
+            result[axis] = after(first[axis], voxel[axis], axis);
+        return result;
+    }
+
+    /// The position in the box that an image shows; positions in the box stay. One too far away for its precision goes
+    /// to the box's first voxel.
+    [[nodiscard]] Float4 wrapped(Float4 position) const
+    {
+        for (int axis = 0; axis < 3; ++axis) {
+            if (size[axis] == 0) continue;
+            const auto begin = float(first[axis]) - 0.5f, length = float(size[axis]), end = begin + length;
+            float at = position[axis];
+            if (at >= begin && at < end) continue;
+            at -= std::floor((at - begin) / length) * length;
+            at += at < begin ? length : 0; // by rounding
+            at -= at >= end ? length : 0;
+            position[axis] = at >= begin && at < end ? at : float(first[axis]);
+        }
+        return position;
+    }
+
+    /// Whether a voxel or one of its images lies in another box.
+    [[nodiscard]] bool isSeenIn(const openvdb::CoordBBox& box, const openvdb::Coord& voxel) const
+    {
+        openvdb::Coord image = voxel;
+        for (int axis = 0; axis < 3; ++axis)
+            image[axis] = after(box.min()[axis], voxel[axis], axis);
+        return box.isInside(image);
+    }
+
+    /// Whether a box overlaps with another or with one of its images.
+    [[nodiscard]] bool overlap(const openvdb::CoordBBox& a, const openvdb::CoordBBox& b) const
+    {
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool isBehind = after(a.min()[axis], b.min()[axis], axis) > a.max()[axis],
+                       isBefore = after(b.min()[axis], a.min()[axis], axis) > b.max()[axis];
+            if (size[axis] == 0 ? isBehind || isBefore : isBehind && isBefore) return false;
+        }
+        return true;
+    }
+
+    bool operator==(const Period&) const = default;
+
+  private:
+    /// The first image of a coordinate from another one on; the coordinate itself along axes without repetition.
+    [[nodiscard]] int after(int begin, int coordinate, int axis) const
+    {
+        if (size[axis] == 0) return coordinate;
+        const auto from = (std::int64_t(coordinate) - begin) % size[axis]; // of the sign of the dividend
+        return int(from < 0 ? from + size[axis] : from) + begin;
+    }
+};
+
+} // namespace vdblic
