@@ -84,24 +84,25 @@ typename GridT::Ptr gridOf(const typename GridT::ValueType* values, const bool* 
     auto grid = GridT::create();
     const openvdb::CoordBBox box(origin, origin + size - openvdb::Coord(1));
     const openvdb::Coord first = origin & ~(int(Leaf::DIM) - 1), last = box.max() & ~(int(Leaf::DIM) - 1);
-    std::vector<std::unique_ptr<Leaf>> leaves;
-    for (int x = first.x(); x <= last.x(); x += Leaf::DIM)
-        for (int y = first.y(); y <= last.y(); y += Leaf::DIM)
-            for (int z = first.z(); z <= last.z(); z += Leaf::DIM)
-                leaves.push_back(
-                    std::make_unique<Leaf>(openvdb::Coord(x, y, z), openvdb::zeroVal<typename GridT::ValueType>()));
-    tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
-        Leaf& leaf = *leaves[i];
-        openvdb::CoordBBox part = leaf.getNodeBoundingBox();
+    const openvdb::Coord counts = ((last - first) >> Leaf::LOG2DIM) + openvdb::Coord(1);
+    const std::size_t most = std::size_t(counts.x()) * counts.y() * counts.z();
+    std::vector<std::unique_ptr<Leaf>> leaves(most); // a leaf exists only where a voxel is active
+    tbb::parallel_for(std::size_t(0), most, [&](std::size_t i) {
+        const openvdb::Coord number(int(i / counts.z() / counts.y()), int(i / counts.z() % counts.y()),
+                                    int(i % counts.z()));
+        const openvdb::Coord corner = first + (number << Leaf::LOG2DIM);
+        openvdb::CoordBBox part = openvdb::CoordBBox::createCube(corner, Leaf::DIM);
         part.intersect(box);
         for (auto voxel = part.begin(); voxel; ++voxel) {
             const openvdb::Coord at = *voxel - origin;
             const std::size_t index = (std::size_t(at.x()) * size.y() + at.y()) * size.z() + at.z();
-            if (!active || active[index]) leaf.setValueOn(*voxel, values[index]);
+            if (active && !active[index]) continue;
+            if (!leaves[i]) leaves[i] = std::make_unique<Leaf>(corner, openvdb::zeroVal<typename GridT::ValueType>());
+            leaves[i]->setValueOn(*voxel, values[index]);
         }
     });
     for (std::unique_ptr<Leaf>& leaf : leaves)
-        if (!leaf->isEmpty()) grid->tree().addLeaf(leaf.release());
+        if (leaf) grid->tree().addLeaf(leaf.release());
     return grid;
 }
 

@@ -186,7 +186,8 @@ def _probed(dataset, names, target):
     dataset = vtk.shallow_copy(dataset)
     vtk.hide_cells_of_hidden_points(dataset)
     vtk.add_array(dataset.GetCellData(), CELL, numpy.arange(dataset.GetNumberOfCells(), dtype=float))
-    dataset, target = _by_index(dataset, target)
+    if isinstance(target, Points):
+        dataset, target = _by_index(dataset, target)
     probe = vtk.filters.vtkProbeFilter()
     probe.SetSourceData(dataset)
     probed = vtk.output_of(probe, _vtk_grid(target))
@@ -202,7 +203,7 @@ def _probed(dataset, names, target):
 
 def _by_index(grid, target):
     """A grid of straight columns as an image on its indices, and the places there: others VTK searches step by step."""
-    if grid.IsA("vtkRectilinearGrid") and isinstance(target, Points):
+    if grid.IsA("vtkRectilinearGrid"):
         at = []
         for places, letter in zip(target.at.T, "XYZ"):
             axis = vtk.bridge.vtk_to_numpy(getattr(grid, f"Get{letter}Coordinates")())
@@ -217,21 +218,15 @@ def _by_index(grid, target):
 
 
 def _in_columns(grid, target):
-    """The three indices of places in a grid of columns along z, or along the radius; None if its columns are others."""
+    """The three indices of places in a grid whose columns lie along the radius; None if they do not."""
     shape = vtk.dimensions_of(grid)[::-1]
     points = vtk.bridge.vtk_to_numpy(grid.GetPoints().GetData()).reshape(*shape, 3)
     if 1 in shape:
         return None
-    at, radius = target.centres(), numpy.linalg.norm(points[:, 0, 0], axis=-1)
-    if (points[..., :2] == points[0, ..., :2]).all() and (points[..., 2] == points[:, :1, :1, 2]).all():
-        once = numpy.prod(target.size[:2]) if target.along_axes() else len(at)  # a column of voxels has one place
-        levels, height, times = points[:, 0, 0, 2], at[:, 2], len(at) // once
-        surface, where = points[:1] * (1, 1, 0), at[:once] * (1, 1, 0)
-    elif radius.min() > 0 and numpy.abs(points / radius[:, None, None, None] - points[0] / radius[0]).max() < 1e-9:
-        levels, height, times = radius, numpy.linalg.norm(at, axis=1), 1
-        surface, where = points[0] / radius[0] * [[[[0.95]]], [[[1.05]]]], at / height[:, None]  # thick: it is curved
-    else:
+    radius, height = numpy.linalg.norm(points[:, 0, 0], axis=-1), numpy.linalg.norm(target.at, axis=1)
+    if radius.min() == 0 or numpy.abs(points / radius[:, None, None, None] - points[0] / radius[0]).max() > 1e-9:
         return None
+    surface = points[0] / radius[0] * [[[[0.95]]], [[[1.05]]]]  # thick, because it is curved and its cells are flat
     rows, columns = numpy.indices(surface.shape[1:3], float)
     layer = vtk.model.vtkStructuredGrid()
     layer.SetDimensions(*surface.shape[2::-1])
@@ -242,11 +237,11 @@ def _in_columns(grid, target):
         vtk.add_array(layer.GetPointData(), name, numpy.tile(index.ravel(), len(surface)))
     probe = vtk.filters.vtkProbeFilter()
     probe.SetSourceData(layer)
-    found = vtk.output_of(probe, _vtk_grid(Points(target.size, target.matrix, at=where)))
+    found = vtk.output_of(probe, _vtk_grid(Points(target.size, target.matrix, at=target.at / height[:, None])))
     there = vtk.array(found, probe.GetValidPointMaskArrayName())[0] != 0
-    at = [numpy.tile(numpy.where(there, vtk.array(found, name)[0], -1), times) for name in ("column", "row")]
-    order = numpy.argsort(levels)
-    return [*at, numpy.interp(height, levels[order], order.astype(float), left=-1, right=-1)]
+    order = numpy.argsort(radius)
+    level = numpy.interp(height, radius[order], order.astype(float), left=-1, right=-1)
+    return [*(numpy.where(there, vtk.array(found, name)[0], -1) for name in ("column", "row")), level]
 
 
 def _vtk_grid(target):
