@@ -262,6 +262,10 @@ class Observer(ToolTest):
             heat, low, corners = grid_of(path, "heat")
             self.assertEqual(heat.tobytes(), place.astype(numpy.float32).tobytes())
             numpy.testing.assert_allclose(corners[0], 0, atol=1e-12)
+        for number, path in enumerate(self.advect("v", "steps", *options, "--carry", "heat", "--substeps", 2, "--method", "streaks",
+                                                  "--draw", "lines")):
+            numpy.testing.assert_allclose(grid_of(path, "heat")[2][0], 0, atol=1e-12)
+            numpy.testing.assert_allclose(grid_of(path, "magnitude")[2][0], [2.7 * DT * (number // 2), 0, 0], atol=1e-12)
         for frame, path in enumerate(self.advect("v", "stays", *options, "--carry", "heat", "--stay")):
             numpy.testing.assert_allclose(grid_of(path, "heat")[2][0], [-2.7 * DT * frame, 0, 0], atol=1e-12)
         # The smoke of a chimney drifts as it does for an observer at rest.

@@ -23,6 +23,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -87,11 +88,18 @@ openvdb::GridBase::Ptr linesWith(const std::vector<openvdb::FloatGrid::Ptr>& sca
     return lineGrid(lines, transform);
 }
 
-/// Bring grids of a frame from the observer's space back to their places in the world.
-void bringBack(const VelocityFrame& frame, openvdb::GridCPtrVec& grids)
+/// Bring a step's grids from the observer's space back to their places in the world. Carried grids and the scalars
+/// beside lines, which stay until the next frame on disk, have that frame's place.
+/// @param substeps in the interval  @param scalars number of grids, the first ones, that stay
+void bringBack(const TextureFrame& made, int substeps, std::size_t scalars, openvdb::GridCPtrVec& grids)
 {
-    for (openvdb::GridBase::ConstPtr& grid : grids)
-        grid = grid->copyGridReplacingTransform(frame.inWorld(grid->transform()));
+    const VelocityFrame& frame = made.frame;
+    const double ofStep = frame.observedSeconds, ofFrame = ofStep - made.interval * made.substep / substeps;
+    for (std::size_t i = 0; i < grids.size(); ++i) {
+        const bool stays = i < scalars || std::ranges::count(frame.carried, grids[i]) > 0;
+        grids[i] = grids[i]->copyGridReplacingTransform(
+            frame.observer->toWorld(grids[i]->transform(), stays ? ofFrame : ofStep));
+    }
 }
 
 /// A tree with all of a domain's voxels: the texture's, unless other ranks hold parts.
@@ -188,7 +196,7 @@ TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int
     file.onTexture = params.format.scalars == ScalarVoxels::kTexture ? file.computed : hasSecond ? 2 : 1;
     file.domain = made.domain;
     file.grids.insert(file.grids.end(), carried.begin(), carried.end());
-    if (returns) bringBack(frame, file.grids);
+    if (returns) bringBack(made, params.texture.substeps, lines ? file.computed : 0, file.grids);
     file.metadata = parameterMetadata(plan, made.refinement);
     for (auto chosen = made.metadata.beginMeta(); chosen != made.metadata.endMeta(); ++chosen)
         file.metadata.insertMeta(chosen->first, *chosen->second);
