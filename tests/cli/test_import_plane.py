@@ -122,6 +122,26 @@ class Nemo(ImportHere):
         message = self.fails(3, "vdblic_import", "u.nc", "v.nc", "-o", "w.vdb", "--attribute", "u:missing_value=land")
         self.assertIn("u.nc: the missing_value 'land' of 'u' is no number", message)
 
+    def test_land_without_coordinates(self):
+        """It is at 0 degrees east and north."""
+        for extra in (), ("--globe", "--voxel-size", 0.005):
+            self.parts(land=numpy.nan)
+            _, whole, there = velocity_of(self.imports("u.nc", "v.nc", "-o", "v.vdb", *extra)[0])
+            file = earth_flows.turned()
+            for name in "u", "v":
+                part = {key: file[key] for key in ("nav_lon", "nav_lat", "depth", "time", name)}
+                for place in "nav_lon", "nav_lat":
+                    part[place][1][:, :3] = 0
+                earth_flows.write(self.folder / f"{name}.nc", part)
+            done = self.run_tool("vdblic_import", "u.nc", "v.nc", "-o", "v.vdb", *extra)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("18 points at 0 degrees east and north are left out", done.stderr)
+            values, active, at = velocity_of(self.folder / "v.vdb")
+            self.assertGreater(active.sum(), 0.5 * whole.sum())
+            self.assertLess(numpy.ptp(at[..., 0]), 2 * numpy.ptp(there[..., 0]))  # no box that reaches to the equator
+            speed = velocity_of(self.folder / "v.vdb", "speed")[0] if extra else numpy.linalg.norm(values, axis=-1)
+            self.assertAlmostEqual(speed[active].mean(), 0.5, delta=0.01)
+
     def test_without_standard_names_and_words(self):
         """Nothing tells whether components of two files are along the grid."""
         self.parts()

@@ -161,11 +161,15 @@ def horizontal(source, field, dimensions):
 
 
 def _on_earth(source, longitude, latitude, names):
-    longitude, columns = ordered(numpy.array(longitude, float))
+    longitude, latitude, lost = _completed(numpy.array(longitude, float), numpy.array(latitude, float))
+    longitude, columns = ordered(longitude)
     turn, torn = (0.0, numpy.pi / 2), False
     if longitude.ndim == 2:
-        latitude = latitude[:, columns]
+        latitude, torn = latitude[:, columns], lost[:, columns]
         turn = angles(longitude, latitude)
+        if torn.any():
+            count = numpy.count_nonzero(torn)
+            source.notes().append(f"{count} points at 0 degrees east and north are left out: they have no coordinates")
     elif names[0] not in source.explained:
         for name, values in zip(names, (longitude, latitude)):
             source.explain(name, "an axis on the Earth", "degrees", values)
@@ -174,15 +178,32 @@ def _on_earth(source, longitude, latitude, names):
     x, y, source.middle, north, told = on_plane(longitude, latitude, source.middle)
     source.notes().extend(told)
     if longitude.ndim == 2 and north is None:
-        torn = numpy.zeros(longitude.shape, bool)
+        lost, torn = torn, torn.copy()
         for axis in 0, 1:
             apart = numpy.abs(numpy.diff(longitude, axis=axis)) > 120
             torn |= numpy.pad(apart, [(0, 1) if i == axis else (0, 0) for i in range(2)])
-        if torn.any():
-            count = numpy.count_nonzero(torn)
+        if (torn & ~lost).any():
+            count = numpy.count_nonzero(torn & ~lost)
             source.notes().append(f"{count} points by a pole are left out: the plane tears their cells")
     north = 0.0 if north is None else north
     return Place(x, y, columns, torn, (north, north + numpy.pi / 2), (turn[0] + north, turn[1] + north))
+
+
+def _completed(longitude, latitude):
+    """Longitude and latitude, (y, x) with places for points that have none, and where these are.
+
+    Models write 0 for both on land that they leave out. The places are between those of neighbours.
+    """
+    lost = (longitude == 0) & (latitude == 0) if longitude.ndim == 2 else numpy.zeros(1, bool)
+    if numpy.count_nonzero(lost) < 2 or lost.all():
+        return longitude, latitude, lost & False
+    known, place = numpy.flatnonzero(~lost.all(axis=1)), numpy.arange(longitude.shape[1])
+    for row in known[lost[known].any(axis=1)]:
+        there = numpy.flatnonzero(~lost[row])
+        longitude[row] = numpy.interp(place, there, numpy.unwrap(longitude[row, there], period=360))
+        latitude[row] = numpy.interp(place, there, latitude[row, there])
+    nearest = known[numpy.abs(numpy.arange(len(lost))[:, None] - known).argmin(axis=1)]
+    return longitude[nearest], latitude[nearest], lost
 
 
 def on_plane(longitude, latitude, middle=None):
