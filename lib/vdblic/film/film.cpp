@@ -3,6 +3,7 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/paging.h"
 #include "vdblic/core/threads.h"
+#include "vdblic/field/domain_mask.h"
 #include "vdblic/film/film_import.h"
 #include "vdblic/film/film_plan.h"
 #include "vdblic/film/tool_process.h"
@@ -278,6 +279,7 @@ Parameters parametersOf(FilmParams& params)
         parameter("plain", "Pictures without colour bar, time and scale bar.", params.plain),
         parameter("orbit", "Turns of the camera around the flow during the film.", params.orbit,
                   {.unit = "turns", .limits = {-100, 100}}),
+        periodicParameter(params.periodic),
         parameter("preview", "Half the width and height, half the pictures, coarser textures: a first look.",
                   params.preview),
         parameter("method", "Streaks show which way the flow goes, a dense texture fills every voxel.", params.method,

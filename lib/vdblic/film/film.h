@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdblic {
 
@@ -37,6 +38,7 @@ struct FilmParams {
     glm::dvec3 solidColor{0.42, 0.44, 0.47}; ///< as displayed; darker than the flow
     bool plain = false;                      ///< without colour bar, time and scale bar
     double orbit = 0;                        ///< turns of the camera during the film
+    std::vector<std::string> periodic{};     ///< DomainParams::periodic
     bool preview = false;                    ///< half the width and height, half the pictures, coarser textures
     FilmMethod method = FilmMethod::kStreaks;
     ReferenceFrameParams observer{}; ///< as of the textures

@@ -100,6 +100,7 @@ class FilmPlanner {
         }
         mPlan.advect["input"] = {mInfo.pattern};
         takeObserver();
+        if (!mParams.periodic.empty()) mPlan.advect["periodic"] = mParams.periodic;
         const std::vector<std::int64_t> frames = chooseFrames(chooseMotion());
         const bool isAll = mInfo.missing.empty() && frames == mInfo.frames;
         if (!isAll || !mParams.input.frames.empty()) mPlan.advect["frames"] = {frameListText(frames)};

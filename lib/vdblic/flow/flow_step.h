@@ -28,9 +28,10 @@ struct FlowStep {
   private:
     [[nodiscard]] Velocity velocitiesOf(const VelocityFrame& frame) const
     {
+        const Domain* const domain = frame.domain.velocity.get(); // null as read from a file
         return {frame.values->tree(),
                 {frame.toVoxelsPerFrame(interval).matrix * (1.0 / substeps)},
-                frame.domain.velocity->period()};
+                domain ? domain->period() : Period{}};
     }
 };
 

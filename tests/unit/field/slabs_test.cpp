@@ -18,18 +18,18 @@ namespace {
 using openvdb::Coord;
 
 /// Boxes of leaves, in voxels.
-Domain domainOf(std::initializer_list<openvdb::CoordBBox> boxes)
+Domain domainOf(std::initializer_list<openvdb::CoordBBox> boxes, const Period& period = {})
 {
     const auto topology = std::make_shared<openvdb::MaskTree>();
     for (const openvdb::CoordBBox& box : boxes)
         topology->denseFill(box, true);
-    return Domain(topology);
+    return Domain(topology, 1, period);
 }
 
 /// A long domain with a gap across it.
-Domain longDomain()
+Domain longDomain(const Period& period = {})
 {
-    return domainOf({{{-512, 0, 0}, {-1, 127, 127}}, {{64, 0, 0}, {255, 127, 127}}});
+    return domainOf({{{-512, 0, 0}, {-1, 127, 127}}, {{64, 0, 0}, {255, 127, 127}}}, period);
 }
 
 TEST(Slabs, HoldEveryLeafOnce)
@@ -54,9 +54,8 @@ TEST(Slabs, HoldEveryLeafOnce)
     EXPECT_EQ(held, std::vector<int>(domain.leafCount(), 1));
 }
 
-TEST(Slabs, ASweepHasEverythingWithinReachOpen)
+void checkSweeps(const Domain& domain, int period)
 {
-    const Domain domain = longDomain();
     const Slabs slabs(domain);
     for (const int reach : {0, 1, 5, 1 << 20}) {
         std::set<std::uint32_t> open;
@@ -80,7 +79,8 @@ TEST(Slabs, ASweepHasEverythingWithinReachOpen)
                           last = LeafVoxel::leafCoordinate(domain.origin(leaves.back())[0]);
                 for (std::uint32_t leaf = 0; leaf < domain.leafCount(); ++leaf) {
                     const int layer = LeafVoxel::leafCoordinate(domain.origin(leaf)[0]);
-                    if (layer < first - reach || layer > last + reach) continue;
+                    const auto isFar = [&](int at) { return at < first - reach || at > last + reach; };
+                    if (isFar(layer) && isFar(layer + period) && isFar(layer - period)) continue;
                     ASSERT_EQ(open.count(leaf), 1u) << "layer " << layer << " from " << first << " to " << last;
                 }
             });
@@ -91,6 +91,17 @@ TEST(Slabs, ASweepHasEverythingWithinReachOpen)
             EXPECT_LT(2 * mostOpen, domain.leafCount());
         }
     }
+}
+
+TEST(Slabs, ASweepHasEverythingWithinReachOpen)
+{
+    checkSweeps(longDomain(), 0);
+}
+
+TEST(Slabs, ASweepReachesAcrossTheSeamOfAPeriodicBox)
+{
+    constexpr int kPeriod = 768;
+    checkSweeps(longDomain({{-512, 0, 0}, {kPeriod, 0, 0}}), kPeriod / LeafVoxel::kDim);
 }
 
 TEST(Slabs, LieAcrossTheLongestAxis)

@@ -53,7 +53,8 @@ VDBLIC_INLINE bool deposit(std::int64_t& voxel, std::uint64_t hits)
 template<typename Carried>
 TileScatter<Carried>::TileScatter(const ScatterScene& scene)
     : mScene(scene), mDomain(scene.field.domain()), mCarried(scene.params, scene.step),
-      mWordCount(Carried::words(scene.params)), mWords(mWordCount), mLeaving(scene.next.leafCount(), mWordCount)
+      mWordCount(Carried::words(scene.params)), mIsPeriodic(!scene.next.period().isNone()), mWords(mWordCount),
+      mLeaving(scene.next.leafCount(), mWordCount)
 {
 }
 
@@ -118,8 +119,8 @@ VDBLIC_INLINE void TileScatter<Carried>::keep(int lane)
     unsigned offset = end.offset();
     int leaf = end.slot() == LeafWindow::kElsewhere ? mScene.next.findLeaf(voxelOf(position))
                                                     : mNextWindow.leaves[std::size_t(end.slot())];
-    if (const Period& period = mScene.next.period(); !period.isNone()) {
-        position = period.wrapped(position);
+    if (mIsPeriodic) {
+        position = mScene.next.period().wrapped(position);
         const Int4 voxel = voxelOf(position); // rounding may have moved it to the next one
         leaf = mScene.next.findLeaf(voxel);
         offset = Domain::offset(voxel);

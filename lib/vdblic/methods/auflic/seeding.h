@@ -88,6 +88,7 @@ class TileScatter {
     const Domain& mDomain;
     const Carried mCarried;
     const std::size_t mWordCount; // per particle
+    const bool mIsPeriodic;       // whether the next step's domain is
 
     // The tile being computed.
     std::size_t mLeaf = 0;
