@@ -81,7 +81,7 @@ gallery ring "Vortex ring" --frames 10
 streaks ring "$out/v.%04d.vdb" 1-10 2 --opacity-by q --ground below
 
 "$tools/vdblic_synth" rossby -o "$out/wave.%04d.vdb" --frames 1-12 --voxel-size 0.1 -q >>"$out/log.txt"
-"$tools/vdblic_film" "$out/wave.%04d.vdb" -o "$out/rossby.png" -q --size 1000 1000 --angles 30 60 >>"$out/log.txt"
+"$tools/vdblic_film" "$out/wave.%04d.vdb" -o "$out/rossby.png" -q --size 1000 1000 --view-from -30 30 >>"$out/log.txt"
 ffmpeg -loglevel error -y -i "$out/rossby.png" -q:v 4 "$images/rossby.jpg"
 
 if [ ! -d "$out/smoke/data" ]; then

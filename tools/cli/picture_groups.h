@@ -13,7 +13,7 @@ inline std::vector<OptionGroup> pictureGroups(const std::vector<OptionGroup>& fu
          {"look", "texture", "size", "samples", "step", "interpolation", "annotate", "background", "background_top",
           "background_alpha"}},
         {"Camera",
-         {"stretch", "view", "angles", "eye", "target", "up", "projection", "fov", "view_height", "aperture", "orbit",
+         {"stretch", "view", "angles", "view_from", "eye", "target", "up", "projection", "fov", "view_height", "aperture", "orbit",
           "orbit_frames", "camera"}},
         {"Colour and opacity",
          {"by", "color_by", "opacity_by", "transfer", "colormap", "colors", "opacity", "range", "opacity_range",

@@ -75,6 +75,19 @@ glm::dvec3 middleOf(const Corners& box)
     return middle;
 }
 
+Parameter viewFromParameter(std::optional<glm::dvec2>& angles, const ViewSide& view, std::string_view excludes)
+{
+    constexpr double kFrontToEast = 90; // the front is towards −y, longitude 0 along x
+    const auto set = [&angles, &view](const Words& words) {
+        if (angles || view != ViewSide::kThreeQuarter)
+            throw ParameterError(fmt::format("`view_from` and `{}` exclude each other", angles ? "angles" : "view"));
+        angles = glm::dvec2(detail::numberIn(words[1]).value(), detail::numberIn(words[0]).value() + kFrontToEast);
+    };
+    return parameter("view_from", "The place of a globe that the view is from above.", WordType::kNumber, 2, set,
+                     [] { return Words{}; },
+                     {.unit = "degrees", .words = "LONGITUDE LATITUDE", .limits = {-360, 360}, .excludes = excludes});
+}
+
 Parameters parametersOf(CameraParams& params)
 {
     return {
@@ -86,6 +99,7 @@ Parameters parametersOf(CameraParams& params)
         parameter("angles", "The same by angles: height above the horizon, and turn from the front to the right.",
                   params.angles,
                   {.unit = "degrees", .words = "ELEVATION AZIMUTH", .limits = {-360, 360}, .excludes = "view"}),
+        viewFromParameter(params.angles, params.view, "eye"),
         parameter("eye", "Position of the camera; by default as `view` says.", params.eye,
                   {.unit = "world", .words = "X Y Z", .excludes = "angles"}),
         parameter("target", "Position the camera looks at; the middle by default.", params.target,

@@ -42,6 +42,9 @@ struct CameraParams {
     void validate() const;
 };
 [[nodiscard]] Parameters parametersOf(CameraParams& params);
+/// The parameter `view_from`, which sets angles by a place on a globe. @param excludes as of a parameter's info
+[[nodiscard]] Parameter viewFromParameter(std::optional<glm::dvec2>& angles, const ViewSide& view,
+                                          std::string_view excludes = {});
 
 /// The corners of a box around everything visible, in world space. Bit a of a corner's index is its side along the
 /// box's axis a.

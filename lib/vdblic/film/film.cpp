@@ -272,6 +272,7 @@ Parameters parametersOf(FilmParams& params)
         parameter("angles", "The view by its height above the horizon, and its turn from the front to the right.",
                   params.angles,
                   {.unit = "degrees", .words = "ELEVATION AZIMUTH", .limits = {-360, 360}, .excludes = "view"}),
+        viewFromParameter(params.angles, params.view),
         parameter("solid", "Opaque body, as of vdblic_render; by default what the flow leaves out of its box.",
                   params.solid, {.words = "FILE[:GRID] or domain"}),
         parameter("solid_color", "Colour of the body as displayed.", params.solidColor,

@@ -4,9 +4,32 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstddef>
+#include <sstream>
 
 namespace vdblic {
+namespace {
+
+constexpr std::string_view kPlace = "place=";
+
+/// @param text LONGITUDE LATITUDE NAME
+NamedPlace parsePlace(const std::string& text)
+{
+    NamedPlace place{};
+    std::istringstream words(text);
+    words >> place.longitude >> place.latitude >> std::ws;
+    std::getline(words, place.name);
+    if (place.name.empty() || !(std::abs(place.longitude) <= 360) || !(std::abs(place.latitude) <= 90)) {
+        throw ParameterError(
+            fmt::format("annotation 'place={:.60}' must be longitude and latitude in degrees, and a name, "
+                        "such as 'place=13.4 52.5 Berlin'",
+                        text));
+    }
+    return place;
+}
+
+} // namespace
 
 AnnotationParams parseAnnotations(std::string_view text)
 {
@@ -33,10 +56,12 @@ AnnotationParams parseAnnotations(std::string_view text)
             params.scaleBar = true;
         } else if (part == "triad") {
             params.triad = true;
+        } else if (part.starts_with(kPlace)) {
+            params.places.push_back(parsePlace(std::string(part.substr(kPlace.size()))));
         } else {
             throw ParameterError(
                 fmt::format("'{:.60}' is no annotation; known are box, axes, colorbar, time, scalebar, "
-                            "triad and title=TEXT",
+                            "triad, place=LONGITUDE LATITUDE NAME and title=TEXT",
                             part));
         }
     }
@@ -55,6 +80,8 @@ std::string annotationText(const AnnotationParams& params)
     add(params.time, "time");
     add(params.scaleBar, "scalebar");
     add(params.triad, "triad");
+    for (const NamedPlace& place : params.places)
+        add(true, fmt::format("{}{} {} {}", kPlace, place.longitude, place.latitude, place.name));
     add(!params.title.empty(), "title=" + params.title);
     return text;
 }

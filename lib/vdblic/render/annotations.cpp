@@ -1,6 +1,7 @@
 #include "vdblic/render/annotations.h"
 
 #include "vdblic/camera/framing.h"
+#include "vdblic/field/globe.h"
 #include "vdblic/image/cairo_drawing.h"
 #include "vdblic/image/color_map.h"
 #include "vdblic/look/look.h"
@@ -13,6 +14,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/trigonometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -23,6 +25,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -163,6 +166,28 @@ std::vector<glm::vec4> pixelsOf(const CairoCanvas& canvas, const glm::ivec2& siz
     return pixels;
 }
 
+/// A dot and a name, if the place is on the side of the globe that the camera sees.
+void drawPlace(const CairoCanvas& canvas, const NamedPlace& place, const glm::dvec3& stretch, const Camera& camera,
+               double textSize, const glm::dvec3& ink, const glm::dvec3& background)
+{
+    const double east = glm::radians(place.longitude), north = glm::radians(place.latitude);
+    const glm::dvec3 outward(std::cos(north) * std::cos(east), std::cos(north) * std::sin(east), std::sin(north));
+    const glm::dvec3 at = outward * kEarthRadius * stretch;
+    const glm::dvec4 ndc = camera.worldToNdc() * glm::dvec4(at, 1);
+    if (!(ndc.w > 0) || !(glm::dot(camera.eye() - at, outward) > 0)) return;
+    const glm::dvec2 pixel = glm::dvec2(ndc) / ndc.w * glm::dvec2(camera.size());
+    const glm::dvec2 beside = pixel + glm::dvec2(0.6, 0.35) * textSize;
+    selectFont(canvas, place.name, textSize);
+    canvas.setColor(background);
+    for (const glm::dvec2 shift : {glm::dvec2(1, 1), glm::dvec2(-1, 1), glm::dvec2(1, -1), glm::dvec2(-1, -1)})
+        canvas.drawText(beside + shift * (textSize / 14), 0, place.name);
+    canvas.setColor(ink);
+    canvas.drawText(beside, 0, place.name);
+    cairo_arc(canvas.context(), pixel.x, pixel.y, textSize / 5, 0, 2 * std::numbers::pi);
+    cairo_fill(canvas.context());
+    selectFont(canvas, "", textSize);
+}
+
 } // namespace
 
 std::vector<glm::dvec3> withRoom(std::vector<glm::dvec3> subject, const AnnotationParams& params, const Camera& view)
@@ -236,6 +261,8 @@ void annotate(Image& image, const AnnotationParams& params, const AnnotationCont
         const double top = drawTriad(front, {margin, bottom}, textSize, camera, names);
         labels.keepFree({{0, top}, {margin + (bottom - top), bottom}});
     }
+    for (const NamedPlace& place : params.places)
+        drawPlace(front, place, content.stretch, camera, textSize, ink, background);
     if (!params.title.empty()) {
         selectFont(front, params.title, 1.5 * textSize);
         front.drawText({margin, margin + textSize}, 0, params.title);

@@ -72,8 +72,8 @@ Parameters parametersOf(PictureParams& params)
                   params.regionBox, {.unit = "world", .words = "X Y Z X Y Z"}),
         parameter(
             "annotate",
-            "Explanations over the picture: box, axes, colorbar, time, scalebar, triad, title=TEXT. In .exr channels "
-            "of their own, annotation.R and so on.",
+            "Explanations over the picture: box, axes, colorbar, time, scalebar, triad, on a globe place=LONGITUDE "
+            "LATITUDE NAME, title=TEXT. In .exr channels of their own, annotation.R and so on.",
             WordType::kText, 1, [&params](const Words& words) { params.annotations = parseAnnotations(words[0]); },
             annotations, {.words = "NAME,NAME"}),
         parameter("camera", "JSON file of key frames of the camera (docs/formats.md).", params.cameraFile,

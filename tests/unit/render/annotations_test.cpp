@@ -20,9 +20,11 @@ namespace {
 
 TEST(Annotations, TextIsReadBack)
 {
-    for (const char* text : {"box", "axes,time", "box,axes,colorbar,time,scalebar,triad,title=A, b = c"})
+    for (const char* text : {"box", "axes,time", "box,axes,colorbar,time,scalebar,triad,title=A, b = c",
+                             "place=13.4 52.5 Berlin,place=-30 0 a b,title=c"})
         EXPECT_EQ(annotationText(parseAnnotations(text)), text);
-    for (const char* bad : {"", "box,", "frame", "title", "title=", "box time"})
+    for (const char* bad : {"", "box,", "frame", "title", "title=", "box time", "place=", "place=1 2", "place=1 a b",
+                            "place=1 91 a", "place=nan 0 a"})
         EXPECT_THROW((void)parseAnnotations(bad), ParameterError) << bad;
 }
 
