@@ -45,7 +45,7 @@ def put(data, name, dimensions, values, **attributes):
 
 def write_pressure_levels(path, hours, omega=True):
     """Winds like those of a reanalysis: pressure levels, latitudes from north to south, Pa/s, packed times."""
-    longitude, latitude = numpy.linspace(355, 365, 11) % 360, numpy.linspace(50, 44, 7)
+    longitude, latitude = numpy.linspace(355, 365, 11) % 360, numpy.linspace(48.5, 45.5, 7)
     level = numpy.array([1000.0, 850, 700, 500, 300])
     x, y = plane(numpy.linspace(-5, 5, 11), latitude)
     height = 1000.0 + 2500 * numpy.arange(5)[:, None, None] + 40 * numpy.arange(11) + 10 * numpy.arange(7)[:, None]

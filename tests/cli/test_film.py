@@ -222,7 +222,8 @@ class Film(ToolTest):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("--emit g.0001.vdb:rim", done.stderr)
             self.assertIn(part, done.stderr)
-            self.assertNotIn("--color-by", done.stderr)
+            self.assertIn("--carry speed", done.stderr)
+            self.assertIn("--color-by speed", done.stderr)
             self.assertNotIn("--opacity-by", done.stderr)  # Q is that of the shear in the shell
 
     def test_view_legend_and_frames(self):

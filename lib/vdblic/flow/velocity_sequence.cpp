@@ -158,8 +158,8 @@ VelocityFrame VelocitySequence::load(const FrameFile& file, const std::optional<
                     ? joinedTopology(values.tree(), mExchange)
                     : std::make_shared<openvdb::MaskTree>(values.tree(), false, true, openvdb::TopologyCopy());
             const openvdb::math::Transform::ConstPtr inWorld = frame.inWorld(values.transform());
-            frame.domain = makeDomain(std::move(topology), *inWorld, mParams.domain, file.frame - file.repeats,
-                                      mExchange.size());
+            frame.domain =
+                makeDomain(std::move(topology), *inWorld, mParams.domain, file.frame - file.repeats, mExchange.size());
         }
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: grid {}: {}", file.path.string(), frame.gridName, error.what()));
