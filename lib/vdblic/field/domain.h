@@ -64,7 +64,8 @@ class Domain {
     [[nodiscard]] VDBLIC_INLINE int findLeaf(const Voxel& voxel) const
     {
         const int leaf = leafAt(voxel);
-        if (__builtin_expect(leaf >= 0, 1) || !mIsPeriodic) return leaf;
+        if (leaf >= 0 || !mIsPeriodic) [[likely]]
+            return leaf;
         return leafOfImage({voxel[0], voxel[1], voxel[2]});
     }
 

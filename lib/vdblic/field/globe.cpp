@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
-#include <openvdb/tools/ValueTransformer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -131,19 +130,20 @@ Globe makeGlobe(double voxelSize)
     return globe;
 }
 
-openvdb::FloatGrid::Ptr speedOnEarth(const openvdb::Vec3SGrid& velocity)
+openvdb::FloatGrid::Ptr speedOnEarth(const openvdb::Vec3SGrid& velocity, const Domain& domain)
 {
     constexpr double kMetres = 1e6;
-    auto grid = openvdb::FloatGrid::create(
-        std::make_shared<openvdb::FloatTree>(velocity.tree(), 0.0F, openvdb::TopologyCopy()));
-    openvdb::tools::foreach (
-        grid->beginValueOn(),
-        [&velocity, accessor = velocity.getConstUnsafeAccessor()](const openvdb::FloatGrid::ValueOnIter& value) {
-            const double radius = velocity.indexToWorld(value.getCoord()).length();
-            const double speed = Vec3d(accessor.getValue(value.getCoord())).length();
-            value.setValue(float(radius > 0 ? speed * kEarthRadius / radius * kMetres : 0));
-        },
-        /*threaded=*/true, /*shareOp=*/false);
+    LeafValues<float> speeds(domain, 0.0F);
+    forLeaves(domain.own(), [&](std::size_t leaf) {
+        const auto* const velocities = velocity.tree().probeConstLeaf(domain.origin(leaf));
+        for (auto voxel = domain.mask(leaf).beginOn(); voxel; ++voxel) {
+            const Coord index = domain.origin(leaf) + Domain::Leaf::offsetToLocalCoord(voxel.pos());
+            const double radius = velocity.indexToWorld(index).length();
+            const double speed = Vec3d(velocities->getValue(voxel.pos())).length();
+            speeds[leaf][voxel.pos()] = float(radius > 0 ? speed * kEarthRadius / radius * kMetres : 0);
+        }
+    });
+    auto grid = openvdb::FloatGrid::create(speeds.tree());
     grid->setName("speed");
     grid->setTransform(velocity.transform().copy());
     grid->insertMeta("unit", openvdb::StringMetadata("m/s"));

@@ -40,8 +40,8 @@ struct Globe {
 [[nodiscard]] Globe makeGlobe(double voxelSize);
 
 /// The grid `speed` [m/s]: the speed on the Earth's surface, to which angular velocities belong at all radii.
-/// @param velocity [1,000 km per second]
-[[nodiscard]] openvdb::FloatGrid::Ptr speedOnEarth(const openvdb::Vec3SGrid& velocity);
+/// @param velocity [1,000 km per second], on the domain
+[[nodiscard]] openvdb::FloatGrid::Ptr speedOnEarth(const openvdb::Vec3SGrid& velocity, const Domain& domain);
 
 /// @throws ParameterError if the voxels are too large to tell the shell from the Earth, or more than a box may have
 void checkGlobe(double voxelSize);

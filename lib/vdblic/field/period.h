@@ -1,10 +1,7 @@
 #pragma once
 
-#include "vdblic/field/vector.h"
-
 #include <openvdb/openvdb.h>
 
-#include <cmath>
 #include <cstdint>
 
 namespace vdblic {
@@ -24,23 +21,6 @@ struct Period {
         for (int axis = 0; axis < 3; ++axis)
             result[axis] = after(first[axis], voxel[axis], axis);
         return result;
-    }
-
-    /// The position in the box that an image shows; positions in the box stay. One too far away for its precision goes
-    /// to the box's first voxel.
-    [[nodiscard]] Float4 wrapped(Float4 position) const
-    {
-        for (int axis = 0; axis < 3; ++axis) {
-            if (size[axis] == 0) continue;
-            const auto begin = float(first[axis]) - 0.5f, length = float(size[axis]), end = begin + length;
-            float at = position[axis];
-            if (at >= begin && at < end) continue;
-            at -= std::floor((at - begin) / length) * length;
-            at += at < begin ? length : 0; // by rounding
-            at -= at >= end ? length : 0;
-            position[axis] = at >= begin && at < end ? at : float(first[axis]);
-        }
-        return position;
     }
 
     /// Whether a voxel or one of its images lies in another box.

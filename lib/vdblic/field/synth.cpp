@@ -131,7 +131,7 @@ openvdb::GridPtrVec SynthFlow::at(double time) const
 {
     openvdb::GridPtrVec grids{sampleFlow(mFlow, *mDomain, *mTransform, time)};
     if (!mFixed.empty()) {
-        grids.push_back(speedOnEarth(*openvdb::gridPtrCast<openvdb::Vec3SGrid>(grids.front())));
+        grids.push_back(speedOnEarth(*openvdb::gridPtrCast<openvdb::Vec3SGrid>(grids.front()), *mDomain));
         grids.front()->insertMeta("length_unit", openvdb::StringMetadata("Mm"));
     }
     grids.insert(grids.end(), mFixed.begin(), mFixed.end());

@@ -1,4 +1,4 @@
-#include "vdblic/field/period.h"
+#include "vdblic/field/period_position.h"
 
 #include "vdblic/field/bricks.h"
 #include "vdblic/field/domain.h"
@@ -37,7 +37,7 @@ TEST(Period, VoxelsOfImagesAreThoseOfTheBox)
 
 TEST(Period, PositionsGoToVoxelsOfTheBox)
 {
-    const auto wrapped = [](float x) { return kAlongX.wrapped(Float4{x, 99, 0, 0}); };
+    const auto wrapped = [](float x) { return vdblic::wrapped(kAlongX, Float4{x, 99, 0, 0}); };
     for (float x = -8.5f; x < 15.5f; x += 0.125f) {
         EXPECT_EQ(wrapped(x)[0], x);
         EXPECT_EQ(wrapped(x + 48)[0], x);

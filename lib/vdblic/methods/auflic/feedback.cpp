@@ -4,6 +4,7 @@
 #include "vdblic/field/for_leaves.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/leaf_window.h"
+#include "vdblic/field/period_position.h"
 #include "vdblic/field/slabs.h"
 #include "vdblic/field/window_box.h"
 #include "vdblic/lic/hits.h"
@@ -178,7 +179,7 @@ struct FeedForward {
                 (covers(domain, to + path * middle) ? inside : outside) = middle;
             }
         }
-        const Int4 voxel = voxelOf(domain.period().wrapped(to + (from - to) * inside));
+        const Int4 voxel = voxelOf(wrapped(domain.period(), to + (from - to) * inside));
         return {{voxel[0], voxel[1], voxel[2]}, inside};
     }
 };

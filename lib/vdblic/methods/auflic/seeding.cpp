@@ -1,6 +1,7 @@
 #include "vdblic/methods/auflic/seeding.h"
 
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/period_position.h"
 #include "vdblic/lic/hits.h"
 #include "vdblic/methods/auflic/fading_values.h"
 #include "vdblic/methods/auflic/release_turn.h"
@@ -120,7 +121,7 @@ VDBLIC_INLINE void TileScatter<Carried>::keep(int lane)
     int leaf = end.slot() == LeafWindow::kElsewhere ? mScene.next.findLeaf(voxelOf(position))
                                                     : mNextWindow.leaves[std::size_t(end.slot())];
     if (mIsPeriodic) {
-        position = mScene.next.period().wrapped(position);
+        position = wrapped(mScene.next.period(), position);
         const Int4 voxel = voxelOf(position); // rounding may have moved it to the next one
         leaf = mScene.next.findLeaf(voxel);
         offset = Domain::offset(voxel);

@@ -3,6 +3,7 @@
 #include "vdblic/core/message.h"
 #include "vdblic/field/bricks.h"
 #include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/period_position.h"
 #include "vdblic/field/vector.h"
 #include "vdblic/lic/pathline.h"
 
@@ -157,7 +158,7 @@ class BackwardPath {
 /// Move a path so that its head is in a periodic box.
 void moveIntoBox(const Period& period, std::vector<StreakNode>& path)
 {
-    const Position head = path.back().position, in = positionOf(period.wrapped(vectorOf(head)));
+    const Position head = path.back().position, in = positionOf(wrapped(period, vectorOf(head)));
     if (in == head) return;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (in[axis] == head[axis]) continue;
