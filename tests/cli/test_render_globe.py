@@ -6,7 +6,7 @@ import numpy
 
 from support import RenderTest
 
-SAHARA, PACIFIC, FAR_FROM_SAHARA = (20, 22), (-152, 8), (-160, -22)
+SAHARA, PACIFIC, FAR_FROM_SAHARA = (22.5, 22.5), (-157.5, 7.5), (-157.5, -22.5)  # between the lines of the graticule
 SIDE = 96
 
 
