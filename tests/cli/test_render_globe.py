@@ -19,7 +19,7 @@ class Earth(RenderTest):
     def seen(self, *options, name="a.png"):
         """The file of a picture of the Earth alone."""
         self.renders("lic.vdb", "-o", name, "--size", SIDE, SIDE, "--samples", 1, "--opacity", "0:0,1:0", "--exposure", 0,
-                     "--solid", "v.0001.vdb:solid", *options)
+                     "--solid", "v.0001.vdb:solid", "--target", 0, 0, 0, *options)
         return self.contents(name)
 
     def middle(self, *options, half=2):
