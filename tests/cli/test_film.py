@@ -58,8 +58,9 @@ class Film(ToolTest):
     def test_commands(self):
         """The two commands that the tool prints make the same film and the same still."""
         environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
-        for output, options in ("flow.mp4", ["--seconds", 1, "--look", "ink"]), ("flow.png", []):
-            with self.subTest(output=output):
+        for output, *options in (("flow.mp4", "--seconds", 1, "--look", "ink"), ("flow.png", "--periodic", "x,y"),
+                                 ("flow.png", "--frame-velocity", -0.5, 0, 0)):
+            with self.subTest(output=output, options=options):
                 text = self.film(output, *options)
                 made = self.contents(output)
                 (self.folder / output).unlink()

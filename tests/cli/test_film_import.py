@@ -72,7 +72,9 @@ class FilmOfAnotherFormat(ToolTest):
         self.assertIn("--attribute", text)
         self.assertIn("run vdblic_import and then vdblic_film on its sequence", text)
         self.assertEqual(self.files(), ["air.nc"])
-        self.assertIn("nothing.nc", self.film(name="nothing.nc", status=3))
+        text = self.film(name="nothing.nc", status=3)
+        self.assertIn("nothing.nc: no such file", text)
+        self.assertNotIn("run vdblic_import", text)
         self.assertIn("--globe is of files", self.film("--globe", name="v.%04d.vdb", status=2))
         self.assertEqual(self.files(), ["air.nc"])
 

@@ -287,6 +287,12 @@ class Pages(ToolTest):
         self.assertFalse(plain.find_element(By.ID, "message").is_displayed())
         self.shows_a_still(plain)
 
+    def test_a_middle_frame_without_q(self):
+        """The still is of the middle frame, which may have fewer scalars than others."""
+        self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "plain.%04d.vdb", "--method", "streaks", "--draw", "lines")
+        shutil.copy(self.folder / "plain.0003.vdb", self.folder / "s.0003.vdb")
+        self.assertTrue(self.export().is_file())
+
     def test_colours_on_a_bright_ground(self):
         """The page chooses a map that a bright ground does not swallow, and keeps the user's."""
         page = self.export()

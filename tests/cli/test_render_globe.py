@@ -38,6 +38,9 @@ class Earth(RenderTest):
         self.assertTrue((abs(self.middle("--view-from", *SAHARA) - land) < 0.02 * land).all())
         self.assertTrue((self.middle("--earth", "--view-from", *PACIFIC) < 0.6 * self.middle("--view-from", *PACIFIC)).all())
 
+    def test_earth_without_a_solid(self):
+        self.assertIn("--earth is drawn on a --solid", self.refuses(2, "lic.vdb", "-o", "a.png", "--earth"))
+
     def test_place(self):
         """A dot in the middle, a name beside it; nothing on the far side."""
         plain = self.seen("--earth", "--view-from", *SAHARA)

@@ -96,7 +96,7 @@ def page(
     told["scalars"] = [_scale(name, values, told) for name, values in paths.scalars.items()]
     surface = _surface(*solid[1:], told) if solid else b""
     whole = len(paths.counts)
-    options: dict[str, Any] = {"opacity_by": "q"} if "q" in paths.scalars else {}
+    options: dict[str, Any] = {"opacity_by": "q"} if shown.lines and "q" in shown.lines.scalars else {}
     if solid:
         options["solid"] = solid[0]
     picture = still(shown, most / 8, stretch=told["stretch"], **options)

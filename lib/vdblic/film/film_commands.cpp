@@ -4,6 +4,7 @@
 #include "vdblic/run/advect_params.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <map>
 #include <string>
@@ -22,6 +23,10 @@ std::string commandOf(std::string_view tool, const Parameters& parameters, const
         const std::string option = parameter.option();
         if (!parameter.isPositional()) command += ' ' + option.substr(0, option.find(','));
         if (parameter.type == WordType::kFlag) continue;
+        if (parameter.info.words.find(',') != std::string_view::npos) { // a list of names: AXIS,AXIS
+            command += ' ' + shellWord(fmt::format("{}", fmt::join(words->second, ",")));
+            continue;
+        }
         for (const std::string& word : words->second)
             command += ' ' + shellWord(word);
     }

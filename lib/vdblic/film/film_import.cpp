@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -73,6 +74,7 @@ ImportedVelocity::ImportedVelocity(const FilmParams& params, Reporter& reporter)
         writeTextFile(mKey, key);
     } catch (const InputError& fault) {
         remove();
+        if (std::string_view(fault.what()).find("--") == std::string_view::npos) throw;
         throw InputError(fmt::format("{}; to give it options, run {} and then vdblic_film on "
                                      "its sequence",
                                      fault.what(), kTool));

@@ -57,8 +57,8 @@ Parameter velocityParameter(ReferenceFrameParams& params)
         return WordsOf<std::optional<std::array<double, 3>>>::write(params.velocity);
     };
     Parameter result = parameter("frame_velocity",
-                                 "Velocity of an observer who moves along: the texture is of the flow as it passes "
-                                 "the observer, whose speed `magnitude` is. Mean: that of the first frame on disk.",
+                                 "Velocity of an observer who moves along. Texture and `magnitude` are of the flow "
+                                 "relative to the observer. Mean: the mean velocity of the first frame on disk.",
                                  WordType::kText, 1, read, write, {.unit = "world units/s", .words = "U V W or mean"});
     result.most = 3;
     return result;

@@ -151,6 +151,8 @@ void RenderParams::validate() const
     checkLimits(parametersOf(copy));
     outputs.validate();
     picture.validate();
+    if (picture.earth && picture.solid.empty())
+        throw ParameterError("`earth` is drawn on a `solid`, which is not given");
 }
 
 void PictureParams::validate() const
