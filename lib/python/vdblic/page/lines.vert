@@ -1,5 +1,5 @@
 #version 300 es
-// A piece of a line between two points as a ribbon that faces the eye. Corners: gl_VertexID 0 to 3.
+// A piece of a line between two points as a ribbon that faces the eye. gl_VertexID counts the four corners of each piece.
 precision highp float;
 precision highp int;
 precision highp usampler2D;
@@ -8,6 +8,8 @@ precision highp sampler2D;
 uniform usampler2D points; // place in the box and time
 uniform usampler2D lines;  // opacity of the head, born, gone
 uniform usampler2D owners; // line of each point
+uniform usampler2D order;  // points that begin the pieces
+uniform int first; // piece
 uniform sampler2D colorBy, shownBy;
 uniform mat4 view, projection;
 uniform vec3 low, side; // box of the points, stretched
@@ -17,8 +19,6 @@ uniform vec2 ends; // of the colour map, stored
 uniform float least; // of shownBy, stored; below 0 all are shown
 uniform vec4 clip; // a plane
 uniform vec2 depths; // where the fog begins and ends
-
-in uint point;
 
 out vec2 across; // -1 to 1, and distance to the eye
 out float color, opacity, fog;
@@ -33,7 +33,7 @@ vec3 placeOf(uvec4 p) { return low + vec3(p.xyz) / 8191.0 * side; }
 
 void main()
 {
-    int a = int(point), b = a + 1, end = gl_VertexID >> 1;
+    int a = int(texelFetch(order, at(first + (gl_VertexID >> 2), 4096), 0).r), b = a + 1, end = gl_VertexID >> 1 & 1;
     uvec4 p = pointAt(a), q = pointAt(b);
     uint owner = ownerOf(a);
     uvec4 line = texelFetch(lines, at(int(owner), 4096), 0);

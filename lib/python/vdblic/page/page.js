@@ -187,7 +187,9 @@ async function choosePart() {
 }
 
 async function begin() {
-    scene = new Scene(canvas, flow, await unpacked(flow, byId("data").textContent));
+    scene = new Scene(canvas, flow);
+    if (document.readyState === "loading") await new Promise((done) => addEventListener("DOMContentLoaded", done));
+    scene.fill(await unpacked(flow, byId("data").textContent));
     byId("data").remove();
     state.camera ??= wholeView();
     const isAsked = state.part > 0;
@@ -210,10 +212,10 @@ async function begin() {
         acts[event.key]();
     });
     canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
-    canvas.addEventListener("webglcontextrestored", () => { scene.mapTexture = null; scene.begin(); changed(); });
+    canvas.addEventListener("webglcontextrestored", () => { scene.begin(); scene.fill(scene.data); changed(); });
     new ResizeObserver(changed).observe(canvas);
     settings();
-    await scene.timeOf(drawn()); // compiles the shaders
+    await scene.timeOf(drawn()); // the first takes longer
     render();
     byId("message").textContent = "";
     if (!isAsked) await choosePart();

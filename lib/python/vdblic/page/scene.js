@@ -6,11 +6,12 @@ import { pieces, surface } from "./data.js";
 import { dot } from "./vector.js";
 
 const kWidth = 4096; // of textures
+const kAtOnce = 16384; // pieces, whose corners have numbers of 16 bits
 
 export class Scene {
-    constructor(canvas, flow, data) {
-        Object.assign(this, { canvas, flow, data });
-        this.pieces = pieces(data.lines[0], data.points[3]);
+    /// Compiles the shaders; fill() comes next.
+    constructor(canvas, flow) {
+        Object.assign(this, { canvas, flow });
         this.low = flow.low.map((c, i) => c * flow.stretch[i]);
         this.side = flow.high.map((c, i) => c * flow.stretch[i] - this.low[i]);
         const ends = [flow.low, flow.high, ...(flow.solid ? [flow.solid.low, flow.solid.high] : [])];
@@ -18,24 +19,34 @@ export class Scene {
         this.begin();
     }
 
-    /// Upload everything; again after the context was lost.
+    /// Compile the shaders, which the machine does while values are unpacked; again after the context was lost.
     begin() {
         const gl = (this.gl = this.canvas.getContext("webgl2", { antialias: true, alpha: false }));
         if (!gl) throw new Error("This browser has no WebGL 2, which moves the flow. This is a still.");
-        this.lines = this.program("lines");
-        this.box = this.program("box");
-        const [x, y, z, t] = this.data.points,
-            [, own, born, gone] = this.data.lines;
+        [this.lines, this.box, this.surface] = ["lines", "box", "solid"].map((name) => this.program(name));
+        gl.useProgram(this.lines.program);
+        const textures = ["points", "lines", "owners", "colorBy", "shownBy", "map", "order"];
+        textures.forEach((name, i) => gl.uniform1i(this.lines.at(name), i));
+        const corners = new Uint16Array(6 * kAtOnce).map((_, i) => 4 * Math.floor(i / 6) + [0, 1, 2, 2, 1, 3][i % 6]);
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+        gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+        gl.enable(gl.DEPTH_TEST);
+        this.drawLines(0, 1); // nothing yet, but some compile at the first use
+        this.chosen = this.map = this.mapTexture = null;
+    }
+
+    /// Upload all values; again after begin(). @param data as unpacked() gives it
+    fill(data) {
+        this.data = data;
+        this.pieces ??= pieces(data.lines[0], data.points[3]);
+        const gl = this.gl,
+            [x, y, z, t] = data.points,
+            [, own, born, gone] = data.lines;
         this.texture(0, gl.RGBA16UI, gl.RGBA_INTEGER, gl.UNSIGNED_SHORT, Uint16Array, [x, y, z, t]);
         this.texture(1, gl.RGBA16UI, gl.RGBA_INTEGER, gl.UNSIGNED_SHORT, Uint16Array, [own, born, gone, gone]);
         this.texture(2, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array, [this.pieces.owners]);
-        this.scalars = this.data.scalars.map((v) => this.texture(3, gl.R8, gl.RED, gl.UNSIGNED_BYTE, Uint8Array, [v]));
-        this.map = null;
-        this.solid = this.data.solid && this.uploadSolid();
-        gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-        this.chosen = null;
-        this.place = gl.getAttribLocation(this.lines.program, "point");
-        gl.vertexAttribDivisor(this.place, 1);
+        this.scalars = data.scalars.map((v) => this.texture(3, gl.R8, gl.RED, gl.UNSIGNED_BYTE, Uint8Array, [v]));
+        this.solid = data.solid && this.uploadSolid();
     }
 
     uploadSolid() {
@@ -54,7 +65,7 @@ export class Scene {
         gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
         gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, order, gl.STATIC_DRAW);
         gl.bindVertexArray(null);
-        return { ...this.program("solid"), vertices, count: order.length };
+        return { vertices, count: order.length };
     }
 
     program(name) {
@@ -65,8 +76,6 @@ export class Scene {
             gl.shaderSource(shader, kShaders[`${name}.${end}`]);
             gl.compileShader(shader);
             gl.attachShader(program, shader);
-            const told = gl.getShaderInfoLog(shader);
-            if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(told);
         }
         gl.linkProgram(program);
         return { program, at: (uniform) => gl.getUniformLocation(program, uniform) };
@@ -77,7 +86,8 @@ export class Scene {
             texture = gl.createTexture(),
             rows = Math.max(1, Math.ceil(columns[0].length / kWidth));
         const values = new Values(rows * kWidth * columns.length);
-        columns.forEach((column, c) => {
+        if (columns.length === 1) values.set(columns[0]);
+        else columns.forEach((column, c) => {
             for (let i = 0; i < column.length; ++i) values[i * columns.length + c] = column[i];
         });
         gl.activeTexture(gl.TEXTURE0 + unit);
@@ -131,7 +141,9 @@ export class Scene {
             }
             this.starts[tick] = count;
         }
-        this.gl.bufferData(this.gl.ARRAY_BUFFER, kept.subarray(0, this.starts.at(-1)), this.gl.STATIC_DRAW);
+        const { gl } = this;
+        gl.deleteTexture(this.order);
+        this.order = this.texture(6, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array, [kept.subarray(0, this.starts.at(-1))]);
     }
 
     /// @param state { camera, frame, colorBy, ends, shownBy, least, clip, map, ground }; stored values
@@ -164,12 +176,10 @@ export class Scene {
         gl.viewport(0, 0, canvas.width, canvas.height);
         gl.clearColor(...state.ground, 1);
         gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-        gl.enable(gl.DEPTH_TEST);
         common(this.box);
-        gl.disableVertexAttribArray(this.place);
         if (state.box) gl.drawArrays(gl.LINES, 0, 24);
         if (this.solid) {
-            common(this.solid);
+            common(this.surface);
             gl.bindVertexArray(this.solid.vertices);
             gl.drawElements(gl.TRIANGLES, this.solid.count, gl.UNSIGNED_SHORT, 0);
             gl.bindVertexArray(null);
@@ -181,7 +191,6 @@ export class Scene {
             gl.activeTexture(gl.TEXTURE3 + i);
             gl.bindTexture(gl.TEXTURE_2D, texture);
         });
-        ["points", "lines", "owners", "colorBy", "shownBy", "map"].forEach((name, i) => gl.uniform1i(this.lines.at(name), i));
         const now = (state.frame - flow.begin) / flow.tick,
             tail = flow.tail / flow.tick;
         const numbers = { now, tail, fade: 1.5 / flow.tick, radius: flow.radius * Math.cbrt(state.part), pixel: 2 / f / canvas.height, least: state.least };
@@ -191,10 +200,16 @@ export class Scene {
         const tick = (t) => this.starts[Math.max(0, Math.min(65537, Math.round(t)))];
         const first = tick(now - tail),
             count = tick(now + this.pieces.longest + 2) - first;
+        this.drawLines(first, count);
+    }
+
+    drawLines(first, count) {
+        const gl = this.gl;
         gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
-        gl.enableVertexAttribArray(this.place);
-        gl.vertexAttribIPointer(this.place, 1, gl.UNSIGNED_INT, 0, first * 4);
-        gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+        for (const end = first + count; first < end; first += kAtOnce) {
+            gl.uniform1i(this.lines.at("first"), first);
+            gl.drawElements(gl.TRIANGLES, 6 * Math.min(kAtOnce, end - first), gl.UNSIGNED_SHORT, 0);
+        }
         gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
     }
 }
