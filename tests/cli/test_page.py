@@ -57,6 +57,12 @@ def packed(page):
     return flow, columns
 
 
+def nearby(pixels):
+    """Those pixels and their neighbours."""
+    wide = pixels | numpy.roll(pixels, 1, 0) | numpy.roll(pixels, -1, 0)
+    return wide | numpy.roll(wide, 1, 1) | numpy.roll(wide, -1, 1)
+
+
 class Pages(ToolTest):
     @classmethod
     def setUpClass(cls):
@@ -182,18 +188,33 @@ class Pages(ToolTest):
                 near = abs(times - (frame - age)) < 0.03
                 self.assertLess(abs(places[near] - point).max(axis=1).min(), (high - low).max() / 4000, (frame, point))
 
-    def test_lines_lie_where_the_renderer_has_them(self):
+    def test_pictures_are_the_renderers(self):
+        """At three times, from two sides: lines at the same pixels, give or take one, and in each part the same colours."""
         page = self.export()
-        eye, target = [40.0, -30.0, 40.0], [11.5, 11.5, 11.5]
-        camera = {"eye": eye, "target": target, "up": [0, 0, 1], "fov": 35}
-        self.open(page, {"camera": camera, "frame": 4, "least": 0, "shownBy": 0, "part": 1, "box": False})
-        shown = self.lit()
-        self.outputs("vdblic_render", "s.0004.vdb", "-o", "image.png", "--size", shown.shape[1], shown.shape[0], "--eye", *eye,
-                     "--target", *target, "--fov", 35, "--opacity", "0:1,1:1")
-        rendered = self.pixels("image.png")
-        for axis in range(2):
-            ends = [numpy.flatnonzero(picture.any(axis=axis))[[0, -1]] for picture in (shown, rendered)]
-            self.assertLessEqual(abs(ends[0] - ends[1]).max(), 2, axis)
+        low, _, high = packed(page)[0]["scalars"][0]["shown"]
+        target = [1.15, 1.15, 1.15]
+        for eye in [4.0, -3.0, 4.0], [-0.5, -2.0, 5.5]:
+            for frame in 1, 2, 4:
+                camera = {"eye": eye, "target": target, "up": [0, 0, 1], "fov": 35}
+                self.open(page, {"camera": camera, "frame": frame, "least": 0, "part": 1, "box": False})
+                in_page = self.lit()
+                shown = self.raw_of("shot.png").reshape(*in_page.shape, 3).astype(int)
+                self.outputs("vdblic_render", f"s.{frame:04}.vdb", "-o", "image.png", "--size", *in_page.shape[::-1], "--eye", *eye,
+                             "--target", *target, "--fov", 35, "--range", low, high, "--opacity", "0:0.95,1:0.95", "--by", "magnitude")
+                rendered = self.raw_of("image.png").reshape(shown.shape).astype(int)
+                in_render = self.pixels("image.png")
+                self.assertGreater(in_render.sum(), 20000)
+                self.assertLess((in_page & ~nearby(in_render)).sum(), 0.004 * in_page.sum(), (eye, frame))
+                self.assertLess((in_render & ~nearby(in_page)).sum(), 0.025 * in_render.sum(), (eye, frame))  # faint tails
+                both, differences = in_page & in_render, []
+                for y in range(0, both.shape[0] - 100, 100):
+                    for x in range(0, both.shape[1] - 100, 100):
+                        part = numpy.s_[y:y + 100, x:x + 100]
+                        if both[part].sum() > 1000:
+                            differences.append((shown - rendered)[part][both[part]].mean(axis=0))
+                self.assertGreater(len(differences), 15)
+                self.assertLess(numpy.abs(differences).max(), 26, (eye, frame))
+                self.assertLess(abs(numpy.mean(differences, axis=0)).max(), 9, (eye, frame))
 
     def test_markup_in_names(self):
         title = "<img src=x onerror=alert(1)>&amp;"
@@ -333,6 +354,28 @@ class Pages(ToolTest):
             hidden.append(self.raw_of("shot.png").reshape(*solid.shape, 3).astype(int))
         colourful = [(image.max(axis=2) - image.min(axis=2) > 40).sum() for image in hidden]
         self.assertLess(colourful[0], 0.95 * colourful[1])
+
+    def test_the_ground(self):
+        """It lies where vdblic_render has it, as bright, and hides nothing from below."""
+        page = self.export()
+        target = [1.15, 1.15, 1.15]
+        for height in 4.0, -2.0:
+            eye = [6.0, -6.0, height]
+            state = {"camera": {"eye": eye, "target": target, "up": [0, 0, 1], "fov": 35}, "frame": 3, "part": 1, "least": 2, "box": False}
+            self.open(page, state | {"ground": True})
+            ground = self.lit()
+            shown = self.raw_of("shot.png").reshape(*ground.shape, 3).astype(int)
+            self.assertEqual(self.browser.get_log("browser"), [])
+            self.outputs("vdblic_render", "s.0003.vdb", "-o", "image.png", "--size", *ground.shape[::-1], "--eye", *eye, "--target",
+                         *target, "--fov", 35, "--opacity", "0:0,1:0", "--ground", "below")
+            rendered = self.pixels("image.png")
+            if height < 0:
+                self.assertFalse(ground.any() or rendered.any())
+                continue
+            self.assertGreater(ground.sum(), 20000)
+            self.assertLess((ground ^ rendered).sum(), 0.05 * rendered.sum())
+            image = self.raw_of("image.png").reshape(shown.shape).astype(int)
+            self.assertLess(abs(shown - image)[ground & rendered].mean(), 4)
 
     def test_a_fine_surface_is_thinned(self):
         """A closed surface keeps its volume, though it is flat."""

@@ -1,5 +1,1 @@
-#version 300 es
-precision mediump float;
-uniform vec3 ground;
-out vec4 shown;
-void main() { shown = vec4(mix(ground, vec3(0.5), 0.6), 1); }
+void main() { shown = vec4(mix(background, vec3(0.5), 0.6), 1); }

@@ -15,15 +15,14 @@ uniform mat4 view, projection;
 uniform vec3 low, side; // box of the points, stretched
 uniform float now, tail, fade; // ticks
 uniform float radius, pixel; // of a head; share of the depth that a pixel covers
-uniform vec2 ends; // of the colour map, stored
+uniform vec4 toColor; // from a stored value to its place in the colours: low, side, factor, shift
 uniform float least; // of shownBy, stored; below 0 all are shown
 uniform vec4 clip; // a plane
 uniform vec2 depths; // where the fog begins and ends
 
-out vec2 across; // -1 to 1, and distance to the eye
-out float color, opacity, fog;
-out vec3 place, rightward;
-out float clipped;
+out vec2 across; // aside, -1 to 1, and beyond the middle of the head; in radii
+out float color, opacity, fog, clipped, lean; // lean: cosine between the line and the way to the eye
+flat out float isShort;
 
 ivec2 at(int i, int width) { return ivec2(i % width, i / width); }
 uvec4 pointAt(int i) { return texelFetch(points, at(i, 4096), 0); }
@@ -60,20 +59,29 @@ void main()
         if (length(other) > 0.0 && length(direction) > 0.0) direction = normalize(direction) + normalize(other);
     }
     vec4 seen = view * vec4(middle, 1);
-    vec3 step = mat3(view) * direction;
-    vec3 aside = cross(step, seen.xyz);
+    vec3 step = normalize(mat3(view) * direction + vec3(1e-30)), toEye = -normalize(seen.xyz);
+    vec3 aside = cross(toEye, step);
     aside = length(aside) > 0.0 ? normalize(aside) : vec3(1, 0, 0);
+    vec3 ahead = cross(aside, toEye);
+    lean = clamp(dot(step, toEye), -1.0, 1.0);
     float sideways = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
-    float width = radius * mix(0.45, 1.0, young), thinnest = 0.8 * pixel * -seen.z;
-    across = vec2(sideways, young);
-    opacity = bright * smoothstep(0.0, 0.5, young);
+    float width = max(radius * mix(0.45, 1.0, young), 0.8 * pixel * -seen.z);
+    across = vec2(sideways, -2);
+    isShort = 0.0;
+    // A head is half a ball at least: the ribbon ends a radius farther, and begins a radius before.
+    if (float(q.w) >= now || ownerOf(b + 1) != owner) {
+        float span = dot(mat3(view) * (d - c), ahead) * (cut.y - cut.x) / width;
+        isShort = span < 1.0 ? 1.0 : 0.0;
+        across.y = end == 1 ? 1.0 : -max(span, 1.0);
+        seen.xyz += ahead * width * (end == 1 ? 1.0 : min(span - 1.0, 0.0));
+    }
+    float solid = clamp(bright * young, 0.0, 1.0);
+    opacity = 1.0 - exp(-3.0 * solid * solid * (3.0 - 2.0 * solid));
     if (least >= 0.0) opacity *= smoothstep(least - 0.02, least + 0.02, value);
-    float stored = mix(valueAt(colorBy, a), valueAt(colorBy, b), share);
-    color = stored > 1.002 ? -1.0 : (stored - ends.x) / max(ends.y - ends.x, 1e-6);
+    vec2 stored = vec2(valueAt(colorBy, a), valueAt(colorBy, b)), values = sinh(toColor.x + toColor.y * stored);
+    color = max(stored.x, stored.y) > 1.002 ? -2.0 : max(mix(values.x, values.y, share) * toColor.z + toColor.w, 0.0);
     fog = clamp((-seen.z - depths.x) / (depths.y - depths.x), 0.0, 1.0);
-    rightward = aside;
     clipped = dot(clip.xyz, middle) - clip.w;
-    seen.xyz += aside * sideways * max(width, thinnest);
-    place = seen.xyz;
+    seen.xyz += aside * sideways * width;
     gl_Position = isHidden ? vec4(2, 2, 2, 1) : projection * seen;
 }

@@ -48,7 +48,7 @@ const nameOf = (scale) => (scale.name === "magnitude" && numberOf("speed") < 0 ?
 const state = {
     frame: flow.frames[0], speed: 8, loop: true, camera: null, colorBy: speed, map: null, range: null,
     part: 0, shownBy: q < 0 ? speed : q, least: q < 0 ? 0 : storedOf(flow.scalars[q], flow.scalars[q].shown[1]),
-    clip: "none", cut: 1, box: true, dark: true,
+    clip: "none", cut: 1, box: true, ground: false, dark: true,
 };
 try {
     Object.assign(state, JSON.parse(decodeURIComponent(location.hash.slice(1)) || "{}"));
@@ -73,9 +73,11 @@ function drawn() {
     if (axis >= 0) clip[axis] = 1;
     if (axis >= 0) clip[3] = scene.low[axis] + state.cut * scene.side[axis];
     document.documentElement.classList.toggle("dark", state.dark);
-    const ground = channels(state.dark ? "#0a0d12" : "#f4f5f7").map((c) => c / 255);
+    const background = channels(state.dark ? "#0a0d12" : "#f4f5f7").map((c) => c / 255);
+    const side = range[1] - range[0] || 1e-30,
+        toColor = [scale.low, scale.high - scale.low, scale.bend / side, -range[0] / side];
     const least = state.least > 0 ? state.least : -1;
-    return { ...state, map: mapNow(), scale, range, ends: range.map((v) => storedOf(scale, v)), least, clip, ground };
+    return { ...state, map: mapNow(), scale, range, toColor, least, clip, background };
 }
 
 function render() {
@@ -160,6 +162,7 @@ function settings() {
         makeRow("Frames/s", "speed", choice("speed", [1, 2, 4, 8, 16, 24])),
         makeRow("Loop", "loop", tick("loop")),
         makeRow("Box", "box", tick("box")),
+        makeRow("Ground", "ground", tick("ground")),
         makeRow("Dark", "dark", tick("dark")),
         make("button", { id: "all", click: () => set("camera", wholeView()) }, "Show all (0)"),
         make("button", { id: "png", click: keepPng }, "Save PNG"),

@@ -16,6 +16,9 @@ export class Scene {
         this.side = flow.high.map((c, i) => c * flow.stretch[i] - this.low[i]);
         const ends = [flow.low, flow.high, ...(flow.solid ? [flow.solid.low, flow.solid.high] : [])];
         this.reach = [Math.min, Math.max].map((most) => flow.stretch.map((s, i) => s * most(...ends.map((end) => end[i]))));
+        const fade = 0.4 * (this.side[0] + this.side[1]), // as vdblic_render has it
+            [low, high] = this.reach;
+        this.ground = { height: low[2], fade, reach: [[low[0] - fade, low[1] - fade, low[2]], [high[0] + fade, high[1] + fade, high[2]]] };
         this.begin();
     }
 
@@ -23,7 +26,7 @@ export class Scene {
     begin() {
         const gl = (this.gl = this.canvas.getContext("webgl2", { antialias: true, alpha: false }));
         if (!gl) throw new Error("This browser has no WebGL 2, which moves the flow. This is a still.");
-        [this.lines, this.box, this.surface] = ["lines", "box", "solid"].map((name) => this.program(name));
+        [this.lines, this.box, this.surface, this.plane] = ["lines", "box", "solid", "ground"].map((name) => this.program(name));
         gl.useProgram(this.lines.program);
         const textures = ["points", "lines", "owners", "colorBy", "shownBy", "map", "order"];
         textures.forEach((name, i) => gl.uniform1i(this.lines.at(name), i));
@@ -73,7 +76,7 @@ export class Scene {
             program = gl.createProgram();
         for (const [kind, end] of [[gl.VERTEX_SHADER, "vert"], [gl.FRAGMENT_SHADER, "frag"]]) {
             const shader = gl.createShader(kind);
-            gl.shaderSource(shader, kShaders[`${name}.${end}`]);
+            gl.shaderSource(shader, (end === "frag" ? kShaders["shade.frag"] : "") + kShaders[`${name}.${end}`]);
             gl.compileShader(shader);
             gl.attachShader(program, shader);
         }
@@ -146,7 +149,7 @@ export class Scene {
         this.order = this.texture(6, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array, [kept.subarray(0, this.starts.at(-1))]);
     }
 
-    /// @param state { camera, frame, colorBy, ends, shownBy, least, clip, map, ground }; stored values
+    /// @param state { camera, frame, colorBy, toColor, shownBy, least, clip, map, background, box, ground }; stored values
     draw(state) {
         const { gl, flow, canvas } = this,
             { camera } = state;
@@ -154,13 +157,17 @@ export class Scene {
         const rows = [right, up, forward.map((c) => -c)];
         const view = [0, 1, 2].flatMap((i) => [...rows.map((row) => row[i]), 0]);
         view.push(...rows.map((row) => -dot(row, camera.eye)), 1);
-        const depthOf = (low, high) => dot(low.map((c, i) => (c + high[i]) / 2 - camera.eye[i]), forward),
-            size = Math.hypot(...this.side),
-            depth = depthOf(this.low, this.low.map((c, i) => c + this.side[i]));
-        const [low, high] = this.reach,
-            deep = Math.hypot(...high.map((c, i) => c - low[i])),
-            far = Math.max(depthOf(low, high) + deep, deep / 100),
-            near = Math.max(depthOf(low, high) - deep, far / 3000);
+        const depthsOf = (low, side) => {
+            const middle = dot(low.map((c, i) => c + side[i] / 2 - camera.eye[i]), forward),
+                half = dot(side, forward.map(Math.abs)) / 2;
+            return [middle - half, middle + half];
+        };
+        const [low, high] = state.ground ? this.ground.reach : this.reach,
+            [first, last] = depthsOf(low, high.map((c, i) => c - low[i])),
+            deep = last - first || Math.abs(last),
+            far = Math.max(last + 0.1 * deep, deep / 100),
+            near = Math.max(first - 0.1 * deep, far / 3000);
+        const fog = depthsOf(this.low, this.side);
         const f = 1 / Math.tan((camera.fov * Math.PI) / 360);
         const projection = [(f * canvas.height) / canvas.width, 0, 0, 0, 0, f, 0, 0];
         projection.push(0, 0, (far + near) / (near - far), -1, 0, 0, (2 * far * near) / (near - far), 0);
@@ -170,12 +177,20 @@ export class Scene {
             gl.uniformMatrix4fv(program.at("projection"), false, projection);
             gl.uniform3fv(program.at("low"), this.low);
             gl.uniform3fv(program.at("side"), this.side);
-            gl.uniform3fv(program.at("ground"), state.ground);
-            gl.uniform2f(program.at("depths"), depth - size / 2, depth + size / 2);
+            gl.uniform3fv(program.at("background"), state.background);
+            gl.uniform2f(program.at("depths"), Math.max(fog[0], 0), Math.max(fog[1], fog[0] + 1e-6 * deep));
         };
         gl.viewport(0, 0, canvas.width, canvas.height);
-        gl.clearColor(...state.ground, 1);
+        gl.clearColor(...state.background, 1);
         gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+        if (state.ground && camera.eye[2] > this.ground.height) {
+            common(this.plane);
+            for (const name of ["height", "fade"]) gl.uniform1f(this.plane.at(name), this.ground[name]);
+            gl.enable(gl.POLYGON_OFFSET_FILL); // behind the edges of the box
+            gl.polygonOffset(1, 1);
+            gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+            gl.disable(gl.POLYGON_OFFSET_FILL);
+        }
         common(this.box);
         if (state.box) gl.drawArrays(gl.LINES, 0, 24);
         if (this.solid) {
@@ -195,12 +210,11 @@ export class Scene {
             tail = flow.tail / flow.tick;
         const numbers = { now, tail, fade: 1.5 / flow.tick, radius: flow.radius * Math.cbrt(state.part), pixel: 2 / f / canvas.height, least: state.least };
         for (const [name, value] of Object.entries(numbers)) gl.uniform1f(this.lines.at(name), value);
-        gl.uniform2fv(this.lines.at("ends"), state.ends);
+        gl.uniform4fv(this.lines.at("toColor"), state.toColor);
         gl.uniform4fv(this.lines.at("clip"), state.clip);
         const tick = (t) => this.starts[Math.max(0, Math.min(65537, Math.round(t)))];
-        const first = tick(now - tail),
-            count = tick(now + this.pieces.longest + 2) - first;
-        this.drawLines(first, count);
+        const from = tick(now - tail);
+        this.drawLines(from, tick(now + this.pieces.longest + 2) - from);
     }
 
     drawLines(first, count) {

@@ -1,14 +1,12 @@
-#version 300 es
-precision highp float;
-uniform vec3 ground;
+// A solid, lit from the eye and from above on the left.
 in vec3 place, away;
 in float fog;
-out vec4 shown;
+
 void main()
 {
-    vec3 normal = normalize(away);
-    if (dot(normal, place) > 0.0) normal = -normal;
-    float light = 0.4 + 0.6 * max(dot(normal, normalize(vec3(-0.45, 0.7, 0.6))), 0.0);
-    vec3 lit = pow(vec3(0.42, 0.44, 0.47), vec3(2.2)) * light;
-    shown = vec4(pow(mix(lit, pow(ground, vec3(2.2)), fog * mix(0.6, 0.2, ground.g)), vec3(1.0 / 2.2)), 1);
+    vec3 normal = normalize(away), toEye = -normalize(place);
+    if (dot(normal, toEye) < 0.0) normal = -normal;
+    float sided = dot(normal, normalize(vec3(-0.5, 0.8, 0.35)));
+    float light = 0.5 * dot(normal, toEye) + 0.125 * (3.0 + sided);
+    shown = vec4(displayed(linearOf(vec3(0.42, 0.44, 0.47)) * light, fog), 1);
 }
