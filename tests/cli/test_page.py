@@ -355,6 +355,19 @@ class Pages(ToolTest):
         colourful = [(image.max(axis=2) - image.min(axis=2) > 40).sum() for image in hidden]
         self.assertLess(colourful[0], 0.95 * colourful[1])
 
+    def test_a_solid_that_changes(self):
+        """A page shows one, and says so."""
+        for moves in True, False:
+            for frame in range(1, 6):
+                active = numpy.ones((16, 16, 16), bool)
+                active[4 + moves * frame:8 + moves * frame, 6:10, 6:10] = False
+                velocity = vdblic.Grid(numpy.full((16, 16, 16, 3), (1, 0.2, 0.1)), active, name="velocity", metadata={"frame": frame, "dt": 1.0})
+                vdblic.write(self.folder / f"b.{frame:04}.vdb", velocity)
+            self.outputs("vdblic_advect", "b.%04d.vdb", "-o", "c.%04d.vdb", "--method", "streaks", "--draw", "lines", "--frames", "1-4")
+            done = self.run_tool("vdblic_export", "c.%04d.vdb", "-o", f"{moves}.html", "--solid", "domain")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.stderr.count("the page shows the solid of frame 1, at all times"), moves)
+
     def test_the_ground(self):
         """It lies where vdblic_render has it, as bright, and hides nothing from below."""
         page = self.export()

@@ -49,7 +49,7 @@ def export_page(options, console, stop):
         paths, frames, first = gathered(_read(found, console, stop))
         if not paths.radius:
             raise InputError(f"{found[0][1]}: no line in any frame; there is nothing to show")
-        solid = _solid(options.solid, *found[0], console)
+        solid = _solid(options.solid, found, console)
         title = printable(str(first.get("title", path.stem)))
         size = {"most": options.max_size} if options.max_size else {}
         shown = read(found[len(found) // 2][1])
@@ -57,14 +57,18 @@ def export_page(options, console, stop):
     console.finished(path)
 
 
-def _solid(source, frame, path, console):
-    """A solid of a frame's file, as a page takes it."""
+def _solid(source, found, console):
+    """A solid of the first frame's file, as a page takes it."""
     if source is None:
         return None
+    (frame, path), *others = found
     points, triangles, changes = solid_mesh(source, path, frame)
     if not len(triangles):
         raise InputError(f"{path}: `solid` {printable(source)} has no surface; leave it out, or choose another")
-    if changes and source != "domain":
+    if source == "domain":  # of two other frames, for it takes long
+        others = [solid_mesh(source, path, frame)[0] for frame, path in {*others[len(others) // 2 :][:1], *others[-1:]}]
+        changes = any(other.shape != points.shape or (other != points).any() for other in others)
+    if changes:
         console.say(f"the page shows the solid of frame {frame}, at all times")
     return source, points, triangles
 
