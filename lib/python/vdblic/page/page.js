@@ -191,7 +191,6 @@ async function choosePart() {
 
 async function begin() {
     scene = new Scene(canvas, flow);
-    if (document.readyState === "loading") await new Promise((done) => addEventListener("DOMContentLoaded", done));
     scene.fill(await unpacked(flow, byId("data").textContent));
     byId("data").remove();
     state.camera ??= wholeView();
