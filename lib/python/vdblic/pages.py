@@ -87,11 +87,12 @@ def page(
     @param paths  finished  @param frames  in order  @param shown  a frame for the still  @param most  bytes of the page
     @param solid  its name for Renderer, points (n, 3) in world space, triangles (m, 3)
     """
-    told = {"title": title, "frames": frames, "tail": paths.tail, "radius": paths.radius}
+    told = {"title": title, "frames": frames, "tail": paths.tail}
     told |= {key: str(metadata[key]) for key in ("start", "length_unit") if key in metadata}
     told |= {key: float(metadata[key]) for key in ("time", "dt") if _is_number(metadata.get(key))}
     low, high = paths.points.min(axis=0), paths.points.max(axis=0)
     told |= {"low": low.tolist(), "high": high.tolist(), "stretch": _stretch(high - low)}
+    told["radius"] = paths.radius * math.prod(told["stretch"]) ** (1 / 3)  # as vdblic_render has it
     told |= {"maps": {name: _colors(name) for name in _MAPS}}
     told["scalars"] = [_scale(name, values, told) for name, values in paths.scalars.items()]
     surface = _surface(*solid[1:], told) if solid else b""
