@@ -214,6 +214,7 @@ class Pages(ToolTest):
         self.assertGreater(in_render.sum(), 20000)
         self.assertLess((in_page & ~nearby(in_render)).sum(), 0.004 * in_page.sum(), (eye, frame))
         self.assertLess((in_render & ~nearby(in_page)).sum(), 0.025 * in_render.sum(), (eye, frame))  # faint tails
+        self.assertGreater(in_page.sum(), 0.9 * in_render.sum(), (eye, frame))
         both, differences = in_page & in_render, []
         for y in range(0, both.shape[0] - 100, 100):
             for x in range(0, both.shape[1] - 100, 100):
