@@ -225,6 +225,37 @@ class Pages(ToolTest):
         self.assertLess(numpy.abs(differences).max(), 26, (eye, frame))
         self.assertLess(abs(numpy.mean(differences, axis=0)).max(), 9, (eye, frame))
 
+    def test_picking_a_line(self):
+        """A click on the line in front tells its scalars at its time, and Enter those of the line in the middle."""
+        page = self.export()
+        lines, _ = read_lines(str(self.folder / "s.0003.vdb"))
+        heads = numpy.flatnonzero((lines["age"] < 0.01) & (lines["opacity"] > 0.9))
+        head = heads[numpy.argmin(lines["points"][heads, 1])]
+        target = lines["points"][head]
+        eye = target - [0, 4, 0]
+        camera = {"eye": eye.tolist(), "target": target.tolist(), "up": [0, 0, 1], "fov": 35}
+        self.open(page, {"camera": camera, "frame": 3, "least": 0, "part": 1})
+        before = self.lit()
+        told = lambda: self.element("picked").text
+        self.assertEqual(told(), "")
+        ActionChains(self.browser).move_to_element(self.element("picture")).click().perform()
+        self.wait_until(told, "nothing told")
+        speed, q, time_ = re.fullmatch(r"speed (\S+), q (\S+) 1/s², (\S+) s", told()).groups()
+        for value, scale in zip((speed, q), packed(page)[0]["scalars"]):
+            true = lines["scalars"][scale["name"]][head]
+            step = numpy.hypot(true, scale["bend"]) * (scale["high"] - scale["low"]) / 254
+            self.assertAlmostEqual(float(value), true, delta=0.6 * step, msg=scale["name"])
+        self.assertAlmostEqual(float(time_), 2 / 24, delta=0.2 / 24)
+        self.assertTrue((self.lit() != before).any())
+        text = told()
+        keys = lambda key: ActionChains(self.browser).send_keys(key).perform()
+        keys(Keys.ESCAPE)
+        self.assertEqual(told(), "")
+        keys(Keys.ENTER)
+        self.assertEqual(told(), text)
+        ActionChains(self.browser).drag_and_drop_by_offset(self.element("picture"), 60, 10).perform()
+        self.assertEqual(told(), text)
+
     def test_markup_in_names(self):
         title = "<img src=x onerror=alert(1)>&amp;"
         for frame in FRAMES:

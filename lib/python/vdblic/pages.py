@@ -28,7 +28,7 @@ _STEPS = 8191  # across each side of the box
 _LEVELS = 254  # of a scalar; one more stands for no value
 _UNITS = {"vorticity": "1/s", "q": "1/s²"}
 _MAPS = "viridis", "turbo", "coolwarm", "fire", "ember", "ice", "ink", "gray"
-_MODULES = "vector.js", "elements.js", "camera.js", "hand.js", "data.js", "scene.js", "clock.js", "page.js"
+_MODULES = "vector.js", "elements.js", "camera.js", "hand.js", "data.js", "scene.js", "pick.js", "clock.js", "page.js"
 _SHADERS = "shade.frag", "lines.vert", "lines.frag", "box.vert", "box.frag", "solid.vert", "solid.frag", "ground.vert", "ground.frag"
 _POLICY = "default-src 'none'; img-src data: blob:; base-uri 'none'; form-action 'none'"
 

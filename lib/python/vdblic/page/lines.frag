@@ -16,7 +16,7 @@ void main()
     float height = sqrt(max(square, 0.0));
     float facing = b > -height * lean ? sqrt(max(left, 0.0)) : height * sqrt(1.0 - lean * lean);
     vec2 place = vec2(clamp(color, 0.0, 1.0) * 31.0 / 32.0 + 1.0 / 64.0, 0.5);
-    vec3 own = linearOf(color < -1.0 ? vec3(0.5) : texture(map, place).rgb);
+    vec3 own = linearOf(color < -3.0 ? 1.0 - background : color < -1.0 ? vec3(0.5) : texture(map, place).rgb);
     float mirrored = max(2.0 * facing * facing - 1.0, 0.0), shine = mirrored / (12.0 - 11.0 * mirrored);
     float edge = sqrt(b > 0.0 ? 1.0 - left : s * s), rim = 1.0 - 0.5 * smoothstep(0.75, 1.0, edge);
     shown = vec4(displayed(1.32 * (own * (0.55 + 0.9 * facing) + 0.2 * shine) * rim, fog), covered);

@@ -10,6 +10,7 @@ uniform usampler2D lines;  // opacity of the head, born, gone
 uniform usampler2D owners; // line of each point
 uniform usampler2D order;  // points that begin the pieces
 uniform int first; // piece
+uniform int picked; // line that is thick and bright, counted from 1
 uniform sampler2D colorBy, shownBy;
 uniform mat4 view, projection;
 uniform vec3 low, side; // box of the points, stretched
@@ -64,8 +65,9 @@ void main()
     aside = length(aside) > 0.0 ? normalize(aside) : vec3(1, 0, 0);
     vec3 ahead = cross(aside, toEye);
     lean = clamp(dot(step, toEye), -1.0, 1.0);
+    bool isPicked = int(owner) + 1 == picked;
     float sideways = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
-    float width = max(radius * mix(0.45, 1.0, young), 0.8 * pixel * -seen.z);
+    float width = max(radius * mix(0.45, 1.0, young), 0.8 * pixel * -seen.z) * (isPicked ? 2.0 : 1.0);
     across = vec2(sideways, -2);
     isShort = 0.0;
     // A head is half a ball at least: the ribbon ends a radius farther, and begins a radius before.
@@ -79,7 +81,7 @@ void main()
     opacity = 1.0 - exp(-3.0 * solid * solid * (3.0 - 2.0 * solid));
     if (least >= 0.0) opacity *= smoothstep(least - 0.02, least + 0.02, value);
     vec2 stored = vec2(valueAt(colorBy, a), valueAt(colorBy, b)), values = sinh(toColor.x + toColor.y * stored);
-    color = max(stored.x, stored.y) > 1.002 ? -2.0 : max(mix(values.x, values.y, share) * toColor.z + toColor.w, 0.0);
+    color = isPicked ? -4.0 : max(stored.x, stored.y) > 1.002 ? -2.0 : max(mix(values.x, values.y, share) * toColor.z + toColor.w, 0.0);
     fog = clamp((-seen.z - depths.x) / (depths.y - depths.x), 0.0, 1.0);
     clipped = dot(clip.xyz, middle) - clip.w;
     seen.xyz += aside * sideways * width;

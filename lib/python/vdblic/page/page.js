@@ -5,6 +5,7 @@ import { Clock } from "./clock.js";
 import { unpacked } from "./data.js";
 import { channels, make, makeRow, short } from "./elements.js";
 import { listenToHand } from "./hand.js";
+import { lineAt } from "./pick.js";
 import { Scene } from "./scene.js";
 
 const byId = (id) => document.getElementById(id);
@@ -55,7 +56,7 @@ try {
 } catch {
     // an address of something else
 }
-let scene, wanted;
+let scene, wanted, picked;
 const mapNow = () => state.map ?? (state.dark ? "ember" : "turbo");
 
 const kFew = 16; // lines, of which one is drawn to see how fast the machine is
@@ -77,7 +78,7 @@ function drawn() {
     const side = range[1] - range[0] || 1e-30,
         toColor = [scale.low, scale.high - scale.low, scale.bend / side, -range[0] / side];
     const least = state.least > 0 ? state.least : -1;
-    return { ...state, map: mapNow(), scale, range, toColor, least, clip, background };
+    return { ...state, map: mapNow(), scale, range, toColor, least, clip, background, picked };
 }
 
 function render() {
@@ -89,13 +90,43 @@ function render() {
     byId("date").value = dateText();
     byId("moment").setAttribute("aria-valuetext", dateText());
 }
-function dateText() {
-    const seconds = (flow.time ?? 0) + (state.frame - flow.frames[0]) * (flow.dt ?? 0),
+function dateText(frame = state.frame) {
+    const seconds = (flow.time ?? 0) + (frame - flow.frames[0]) * (flow.dt ?? 0),
         start = Date.parse(flow.start);
     if (Number.isFinite(start)) return new Date(start + 1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
     if (flow.dt && Math.abs(seconds) >= 36000) return `${(seconds / 3600).toFixed(1)} h`;
-    return flow.dt ? `${seconds.toPrecision(3)} s` : `frame ${state.frame.toFixed(1)}`;
+    return flow.dt ? `${seconds.toPrecision(3)} s` : `frame ${frame.toFixed(1)}`;
 }
+
+/// Tell the scalars of the line at a place. @param x, y pixels of the picture
+function pick(x, y) {
+    const { clientWidth: width, clientHeight: height } = canvas,
+        focal = height / 2 / Math.tan((state.camera.fov * Math.PI) / 360),
+        found = lineAt(scene, drawn(), x - width / 2, height / 2 - y, focal);
+    picked = found?.line;
+    const told = flow.scalars.map((scale, i) => {
+        if (!found) return "";
+        const ends = [0, 1].map((end) => scene.data.scalars[i][found.point + end]),
+            value = valueOf(scale, (ends[0] + found.share * (ends[1] - ends[0])) / 254),
+            step = (Math.hypot(value, scale.bend) * (scale.high - scale.low)) / 254, // as it is stored
+            digit = 10 ** Math.floor(Math.log10(step || 1));
+        return Math.max(...ends) > 254 ? `no ${nameOf(scale)}` : `${nameOf(scale)} ${short(Math.round(value / digit) * digit)} ${scale.unit}`.trim();
+    });
+    byId("picked").textContent = found ? [...told, dateText(flow.begin + found.time * flow.tick)].join(", ") : "";
+    changed();
+}
+function listenToPicks() {
+    let down;
+    canvas.addEventListener("pointerdown", (event) => (down = event.isPrimary ? [event.offsetX, event.offsetY] : null));
+    canvas.addEventListener("pointerup", ({ offsetX, offsetY }) => {
+        if (down && Math.hypot(offsetX - down[0], offsetY - down[1]) < 4) pick(offsetX, offsetY);
+    });
+    canvas.addEventListener("keydown", (event) => {
+        if (event.key === "Enter") pick(canvas.clientWidth / 2, canvas.clientHeight / 2);
+        if (event.key === "Escape") pick(-1e6, 0);
+    });
+}
+
 function showLegend(scale, range) {
     byId("legend-name").textContent = nameOf(scale) + (scale.unit && ` [${scale.unit}]`);
     [...byId("legend-ends").children].forEach((end, i) => (end.textContent = short(range[i])));
@@ -206,6 +237,7 @@ async function begin() {
     });
     const camera = { camera: () => state.camera, change: (now) => { state.camera = now; changed(); }, begin() {}, end() {} };
     listenToHand(canvas, camera, () => canvas.clientHeight);
+    listenToPicks();
     document.addEventListener("keydown", (event) => {
         if (event.target.matches("input, select, button, summary") || event.ctrlKey || event.metaKey) return;
         const acts = { " ": () => clock.toggle(), ",": () => clock.step(-1), ".": () => clock.step(1), 0: () => byId("all").click() };

@@ -145,11 +145,12 @@ export class Scene {
             this.starts[tick] = count;
         }
         const { gl } = this;
+        this.kept = kept;
         gl.deleteTexture(this.order);
         this.order = this.texture(6, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array, [kept.subarray(0, this.starts.at(-1))]);
     }
 
-    /// @param state { camera, frame, colorBy, toColor, shownBy, least, clip, map, background, box, ground }; stored values
+    /// @param state { camera, frame, colorBy, toColor, shownBy, least, clip, map, background, box, ground, picked }; stored values
     draw(state) {
         const { gl, flow, canvas } = this,
             { camera } = state;
@@ -206,15 +207,22 @@ export class Scene {
             gl.activeTexture(gl.TEXTURE3 + i);
             gl.bindTexture(gl.TEXTURE_2D, texture);
         });
-        const now = (state.frame - flow.begin) / flow.tick,
+        const [now, from, to] = this.span(state),
             tail = flow.tail / flow.tick;
         const numbers = { now, tail, fade: 1.5 / flow.tick, radius: flow.radius * Math.cbrt(state.part), pixel: 2 / f / canvas.height, least: state.least };
         for (const [name, value] of Object.entries(numbers)) gl.uniform1f(this.lines.at(name), value);
         gl.uniform4fv(this.lines.at("toColor"), state.toColor);
         gl.uniform4fv(this.lines.at("clip"), state.clip);
-        const tick = (t) => this.starts[Math.max(0, Math.min(65537, Math.round(t)))];
-        const from = tick(now - tail);
-        this.drawLines(from, tick(now + this.pieces.longest + 2) - from);
+        gl.uniform1i(this.lines.at("picked"), (state.picked ?? -1) + 1);
+        this.drawLines(from, to - from);
+    }
+
+    /// The time in ticks, and which of the chosen pieces may be seen then: the first, and the one after the last.
+    span({ frame }) {
+        const { begin, tick, tail } = this.flow,
+            now = (frame - begin) / tick,
+            start = (t) => this.starts[Math.max(0, Math.min(65537, Math.round(t)))];
+        return [now, start(now - tail / tick), start(now + this.pieces.longest + 2)];
     }
 
     drawLines(first, count) {
