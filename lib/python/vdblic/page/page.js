@@ -94,7 +94,7 @@ function dateText(frame = state.frame) {
     const seconds = (flow.time ?? 0) + (frame - flow.frames[0]) * (flow.dt ?? 0),
         start = Date.parse(flow.start);
     if (Number.isFinite(start)) return new Date(start + 1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
-    if (flow.dt && Math.abs(seconds) >= 36000) return `${(seconds / 3600).toFixed(1)} h`;
+    if (flow.dt && Math.abs(seconds) >= 7200) return `${(seconds / 3600).toFixed(1)} h`;
     return flow.dt ? `${seconds.toPrecision(3)} s` : `frame ${frame.toFixed(1)}`;
 }
 
