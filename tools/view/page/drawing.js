@@ -13,6 +13,7 @@ const kMostBytes = 256e6; // of frames that are kept
 const kAim = 1000 / 24; // milliseconds a picture
 const kCoarsest = 0.5; // scale
 const kFewest = 64; // one in so many lines is drawn at least
+const kSolid = 0.95; // opacity of what the scene draws without a threshold
 const kLevels = 254; // of a stored scalar; one more stands for no value
 const kColors = 32; // of a map
 const kNow = 65534; // time of heads
@@ -177,7 +178,8 @@ function table(points) {
     };
     return Array.from({ length: kLevels + 1 }, (_, i) => {
         const opacity = opacityAt(i / kLevels);
-        return opacity > 0 ? kLevels * (0.02 + 0.98 * (0.5 - Math.sin(Math.asin(1 - 2 * opacity) / 3))) : 0;
+        const share = Math.min(opacity / kSolid, 1);
+        return opacity > 0 ? kLevels * (0.02 + 0.98 * (0.5 - Math.sin(Math.asin(1 - 2 * share) / 3))) : 0;
     });
 }
 
