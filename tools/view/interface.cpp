@@ -186,7 +186,9 @@ WebAnswer Interface::answerAsked(const WebRequest& request)
         return {packet.empty() ? 204 : 200, "application/octet-stream", std::move(packet)};
     }
     if (request.path == "rest") {
-        mPictures.end({.client = member(asked, "client", std::string()), .turn = member(asked, "turn", std::int64_t(0)), .state = {}});
+        mPictures.end({.client = member(asked, "client", std::string()),
+                       .turn = member(asked, "turn", std::int64_t(0)),
+                       .state = {}});
         return jsonAnswer(Json::object());
     }
     if (request.path == "thumbnail")

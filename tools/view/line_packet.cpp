@@ -82,7 +82,7 @@ void appendScalars(std::string& bytes, const std::vector<Run>& runs, const std::
     appendPoints<float>(bytes, runs, [&](const Run& run, std::uint32_t i) {
         if (!std::isnan(values[i])) return values[i];
         return i + 1 < run.first + run.count && !std::isnan(values[i + 1]) ? values[i + 1]
-                                                                          : values[std::max(i, run.first + 1) - 1];
+                                                                           : values[std::max(i, run.first + 1) - 1];
     });
 }
 
@@ -136,14 +136,15 @@ std::string linePacket(const Tubes& tubes, const Corners& box, std::size_t most)
         }
     }
     const bool hasColor = !tubes.colors().empty();
-    std::string told = nlohmann::json{{"points", pointsOf(runs)},
-                                      {"lines", runs.size()},
-                                      {"part", part},
-                                      {"low", {low.x, low.y, low.z}},
-                                      {"high", {high.x, high.y, high.z}},
-                                      {"radius", double(radius) / tubes.unitsPerWorld()},
-                                      {"hasColor", hasColor}}
-                           .dump();
+    std::string told = nlohmann::json{
+        {"points", pointsOf(runs)},
+        {"lines", runs.size()},
+        {"part", part},
+        {"low", {low.x, low.y, low.z}},
+        {"high", {high.x, high.y, high.z}},
+        {"radius", double(radius) / tubes.unitsPerWorld()},
+        {"hasColor",
+         hasColor}}.dump();
     told.resize((told.size() + 3) / 4 * 4, ' ');
     std::string bytes;
     append(bytes, std::vector{std::uint32_t(told.size())});
@@ -154,9 +155,8 @@ std::string linePacket(const Tubes& tubes, const Corners& box, std::size_t most)
     appendLines<std::uint32_t>(bytes, runs, [](const Run& run) { return run.count; });
     for (int axis = 0; axis < 3; ++axis) {
         const double side = high[axis] > low[axis] ? high[axis] - low[axis] : 1;
-        appendPoints<std::uint16_t>(bytes, runs, [&](const Run&, std::uint32_t i) {
-            return stepOf((placeOf(i)[axis] - low[axis]) / side);
-        });
+        appendPoints<std::uint16_t>(
+            bytes, runs, [&](const Run&, std::uint32_t i) { return stepOf((placeOf(i)[axis] - low[axis]) / side); });
     }
     appendTimes(bytes, runs, heads, tubes.opacities());
     std::vector<std::uint16_t> own;

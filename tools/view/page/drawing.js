@@ -55,22 +55,21 @@ class Drawing {
     }
 
     async forget() {
-        const loaded = await Promise.all(this.frames.values());
         let bytes = 0;
-        [...this.frames.keys()].reverse().forEach((key, i) => {
-            bytes += loaded.at(-1 - i)?.bytes ?? 0;
+        for (const [i, [key, frame]] of [...this.frames].reverse().entries()) {
+            bytes += (await frame)?.bytes ?? 0;
             if (bytes > kMostBytes && i > 0) this.frames.delete(key);
-        });
+        }
     }
 
     /// A picture as { bitmap, frame, text }; null if the program is to make it.
     async picture({ state, frame, next }, size) {
-        if (state.keys || state.orbit || this.isLost || !this.look().scene) return null;
+        if (state.keys || state.orbit || this.isLost || !this.look().transfer.scene) return null;
         const lines = await this.load({ state, frame });
         if (!lines || this.isLost) return null;
         for (const other of next) this.load({ state, frame: other });
         await new Promise(requestAnimationFrame);
-        this.begun = performance.now();
+        const begun = performance.now();
         this.isNew = this.shown !== lines;
         const [width, height] = size.map((side) => Math.max(1, Math.round(side * this.scale)));
         this.isNew ||= this.canvas.width !== width || this.canvas.height !== height;
@@ -81,19 +80,18 @@ class Drawing {
         try {
             this.show(lines, state);
             this.scene.draw({ ...this.picked(state, lines), part });
+            await this.scene.finish();
         } catch (error) {
             console.warn(error);
             this.isLost = true;
             return null;
         }
+        if (!this.isNew) this.choose(performance.now() - begun);
         return { bitmap: this.canvas, frame, text: part > 1 ? `, 1 of ${part} lines` : "" };
     }
 
-    /// Wait until the picture is drawn, and choose how fine the next ones are.
-    async finish() {
-        await this.scene.finish();
-        const spent = performance.now() - this.begun;
-        if (this.isNew) return;
+    /// How fine the next pictures are. @param spent milliseconds for this one
+    choose(spent) {
         if (spent > 1.2 * kAim && this.scale > kCoarsest) this.scale = kCoarsest;
         else if (spent > 1.2 * kAim && this.part < kFewest) this.part *= 2;
         else if (spent < 0.4 * kAim && this.part > 1) this.part /= 2;

@@ -74,7 +74,6 @@ export class Picture extends EventTarget {
             const drawn = this.draws && this.drawing ? await this.drawing.picture(this.request(), this.size) : null;
             if (drawn) {
                 this.show({ ...drawn, turn: ++this.turn }, this.rateText(before) + drawn.text);
-                await this.drawing.finish();
                 continue;
             }
             const shown = await this.ask({ scale, samples: 1, quality: 75, step: kMovingStep });
