@@ -71,6 +71,7 @@ template<typename Value, typename Tell>
 void appendLines(std::string& bytes, const std::vector<Run>& runs, const Tell& tell)
 {
     std::vector<Value> values;
+    values.reserve(runs.size());
     for (const Run& run : runs)
         values.push_back(Value(tell(run)));
     append(bytes, values);
@@ -160,6 +161,7 @@ std::string linePacket(const Tubes& tubes, const Corners& box, std::size_t most)
     }
     appendTimes(bytes, runs, heads, tubes.opacities());
     std::vector<std::uint16_t> own;
+    own.reserve(heads.size());
     for (const float head : heads)
         own.push_back(stepOf(head));
     append(bytes, own);
