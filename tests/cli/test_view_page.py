@@ -1,112 +1,21 @@
 """vdblic_view's page in a browser without a screen."""
 
-import json
-import re
 import shlex
-import shutil
 import subprocess
 import unittest
 
-from support import skip
+from viewer_page import BrowserTest
 
-try:
-    from selenium import webdriver
-except ImportError:
-    skip("python3-selenium is not installed")
-if not shutil.which("chromium") or not shutil.which("chromedriver"):
-    skip("chromium is not installed")
-
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
-from viewer import ViewerTest
-
-
-# What the page does later, such as writing its state into the address, and what it asks for; not what it repeats every
-# second and a half.
-WAITING = """
-    const waiting = new Set(), later = setTimeout, never = clearTimeout, ask = fetch;
-    window.setTimeout = (act, delay) => {
-        const timer = later(() => { waiting.delete(timer); act(); }, delay);
-        if (delay < 1000) waiting.add(timer);
-        return timer;
-    };
-    window.clearTimeout = (timer) => { waiting.delete(timer); never(timer); };
-    window.fetch = (...asked) => {
-        const answer = ask(...asked);
-        if (asked[0] !== "status") {
-            waiting.add(answer);
-            const end = () => later(() => waiting.delete(answer), 0);
-            answer.then(end, end);
-        }
-        return answer;
-    };
-    window.waiting = waiting;
-"""
-
 FOCUS = "document.querySelectorAll(arguments[0])[arguments[1]]?.focus()"
 
 
-def browser():
-    options = webdriver.ChromeOptions()
-    options.binary_location = "/usr/bin/chromium"
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                     "--window-size=900,700"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
-
-
-class Page(ViewerTest):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.browser = browser()
-        cls.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": WAITING})
-        cls.addClassCleanup(cls.browser.quit)
-
-    def open(self, *arguments):
-        self.start("lic.%04d.vdb", *arguments)
-        self.browser.get(self.address)
-        self.wait_for_refined()
-
-    def tearDown(self):
-        errors = [entry for entry in self.browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
-        self.browser.get("about:blank")
-        self.assertEqual(errors, [])
-        super().tearDown()
-
-    def element(self, name):
-        return self.browser.find_element(By.ID, name)
-
-    def wait_until(self, condition, what, seconds=120):
-        try:
-            super().wait_until(condition, what, seconds)
-        except AssertionError:
-            self.fail(f"{what}; the page says: {self.element('message').text}")
-
-    def options(self):
-        """The options in the address."""
-        text = self.browser.execute_script("return decodeURIComponent(location.hash.slice(1))")
-        return json.loads(text)["options"] if text else {}
-
-    def wait_until_at_rest(self):
-        """Wait until the page waits for nothing but the user."""
-        self.wait_until(lambda: self.browser.execute_script("return waiting.size") == 0, "the page is not at rest")
-
-    def wait_for_refined(self):
-        """Wait until the picture of the state is there with all its samples. Opens two sections."""
-        self.wait_until_at_rest()
-        self.browser.execute_script("""
-            for (const name of ["automatic", "keep-files"])
-                if (document.getElementById(name)) document.getElementById(name).closest("details").open = true""")
-        progress = lambda: self.element("progress").get_attribute("textContent")
-        self.wait_until(lambda: re.match(r"(\d+) of \1 samples", progress()), "not refined")
-
+class Page(BrowserTest):
     def wait_for_small_pictures(self, frame):
         """Wait until those of looks are all of this frame."""
         made = """return [...document.querySelectorAll(".pick img")].every(
@@ -133,12 +42,6 @@ class Page(ViewerTest):
     def choose(self, name, value):
         """Choose among small pictures."""
         self.browser.execute_script("document.getElementById(arguments[0]).click()", f"{name}-{value}")
-
-    def find(self, selector):
-        return self.browser.find_elements(By.CSS_SELECTOR, selector)
-
-    def pixels(self):
-        return self.browser.execute_script("return document.getElementById('picture').toDataURL()")
 
     def test_find_a_picture_and_keep_it(self):
         self.open()

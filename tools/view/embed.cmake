@@ -1,10 +1,12 @@
-# cmake -P embed.cmake: writes OUTPUT, a source that holds the files of FOLDER (page_files.h).
-file(GLOB files RELATIVE ${FOLDER} ${FOLDER}/*)
+# cmake -P embed.cmake: writes OUTPUT, a source that holds the files of FOLDER and the renderer of lines in SCENE
+# (page_files.h).
+file(GLOB paths ${FOLDER}/* ${SCENE}/scene.js ${SCENE}/data.js ${SCENE}/*.vert ${SCENE}/*.frag)
 set(arrays "")
 set(rows "")
 set(number 0)
-foreach(file ${files})
-    file(READ ${FOLDER}/${file} bytes HEX)
+foreach(path ${paths})
+    get_filename_component(file ${path} NAME)
+    file(READ ${path} bytes HEX)
     string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
     string(REGEX REPLACE "((0x..,){32})" "\\1\n" bytes "${bytes}")
     string(APPEND arrays "constexpr unsigned char file${number}[] = {\n${bytes}0};\n")
@@ -32,6 +34,7 @@ ${rows}};
 std::string_view typeOf(std::string_view name)
 {
     if (name.ends_with(\".js\")) return \"text/javascript; charset=utf-8\";
+    if (name.ends_with(\".vert\") || name.ends_with(\".frag\")) return \"text/plain; charset=utf-8\";
     if (name.ends_with(\".css\")) return \"text/css; charset=utf-8\";
     return name.ends_with(\".svg\") ? \"image/svg+xml\" : \"text/html; charset=utf-8\";
 }

@@ -181,6 +181,16 @@ WebAnswer Interface::answerAsked(const WebRequest& request)
     if (!asked.is_object()) throw ParameterError("the request is no JSON object");
     const auto frame = member(asked, "frame", std::int64_t(0));
     if (request.path == "picture") return picture(asked, request);
+    if (request.path == "lines") {
+        std::string packet = mViewer.lines(stateIn(asked), frame);
+        return {packet.empty() ? 204 : 200, "application/octet-stream", std::move(packet)};
+    }
+    if (request.path == "rest") {
+        mPictures.end({.client = member(asked, "client", std::string()),
+                       .turn = member(asked, "turn", std::int64_t(0)),
+                       .state = {}});
+        return jsonAnswer(Json::object());
+    }
     if (request.path == "thumbnail")
         return {200, "image/jpeg",
                 mPictures.thumbnail({.client = {}, .turn = {}, .state = stateIn(asked), .frame = frame})};
@@ -209,6 +219,7 @@ Json Interface::sequence()
             {"frames", mViewer.frames()},
             {"version", mViewer.version()},
             {"texture", mViewer.texture()},
+            {"lines", mViewer.hasLines()},
             {"scalars", mViewer.scalars()},
             {"looks", lookPresetNames()},
             {"colorMaps", colorMaps()},

@@ -16,7 +16,8 @@ namespace vdblic::view {
 /// in `error`.
 ///
 ///     path        body                        answer
-///     sequence                                frames, scalars, looks, colour maps, the start state
+///     sequence                                frames, scalars, looks, colour maps, the start state;
+///                                             `lines`: whether its first frame has lines
 ///     status                                  frames, `jobs`, and `version`, which rises when frames or choices change
 ///     scene       state, frame                automatic camera, ranges, points, values of the look, `clock` (time or
 ///                                             date), `colorTitle` (term and unit); `settled`: all frames were read
@@ -26,6 +27,8 @@ namespace vdblic::view {
 ///                 quality, format, next,      read ahead; 204 if a request of the client with no lower `turn` arrived
 ///                 settle
 ///     fit         state, forward, up          the camera that sees all in this direction
+///     rest        client, turn                the client's older pictures end
+///     lines       state, frame                the frame's lines, as line_packet.h has them; 204 if it has voxels
 ///     thumbnail   state, frame                a JPEG of up to 160 pixels a side with one ray a pixel
 ///     command     state                       the command that renders it
 ///     keep        state, frame, kind: files   the names of the `files` and the `command`

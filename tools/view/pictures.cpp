@@ -99,6 +99,15 @@ ShownPicture Pictures::whole(const PictureRequest& request, const std::function<
     return result;
 }
 
+void Pictures::end(const PictureRequest& request)
+{
+    try {
+        std::stop_token stop;
+        (void)clientOf(request, stop);
+    } catch (const Stopped&) { // a newer one came
+    }
+}
+
 std::string Pictures::thumbnail(const PictureRequest& request)
 {
     constexpr int kMostThumbnailSide = 160, kQuality = 85;

@@ -55,6 +55,8 @@ class Pictures {
     /// @throws Stopped, and as Viewer::view()
     [[nodiscard]] ShownPicture whole(const PictureRequest& request, const std::function<void(int)>& progress,
                                      const std::stop_token& stop);
+    /// End the client's pictures that are older than the request.
+    void end(const PictureRequest& request);
     /// A JPEG of one ray a pixel, made once: of many that were made the newest are kept. One at a time.
     /// @throws ParameterError if it is not small; as Viewer::view()
     [[nodiscard]] std::string thumbnail(const PictureRequest& request);

@@ -11,11 +11,13 @@
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/render/frames_in_flight.h"
 #include "vdblic/render/render_plan.h"
+#include "view/line_packet.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
 #include <cmath>
@@ -81,6 +83,7 @@ Viewer::Viewer(Start start, double cacheBytes) : mStart(std::move(start)), mCach
     const std::vector<FrameFile> files = selectFrames(mStart.input);
     traits.texture = textureName(files.front().path, planOf(mStart, mStart.state).texture);
     for (const auto& grid : readVdbHeader(files.front().path).grids) {
+        mHasLines |= grid->isType<openvdb::points::PointDataGrid>() && grid->getName() == traits.texture;
         if (grid->isType<openvdb::FloatGrid>() && grid->getName() != traits.texture)
             traits.scalars.push_back(grid->getName());
     }
@@ -361,6 +364,14 @@ Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& u
 void Viewer::prefetch(const Json& state, std::int64_t frame)
 {
     mBackground.add([this, plan = planOf(mStart, state), file = fileOf(frame)] { (void)loadSoon(plan, file); });
+}
+
+std::string Viewer::lines(const Json& state, std::int64_t frame)
+{
+    constexpr std::size_t kMostPoints = 1'000'000; // 16 MB
+    const PicturePlan plan = planOf(mStart, state);
+    const FrameCache::Frame loaded = load(plan, fileOf(frame));
+    return loaded->tubes ? linePacket(*loaded->tubes, source(plan.stretch).box, kMostPoints) : "";
 }
 
 TextureHistograms Viewer::histograms(const Json& state)

@@ -63,6 +63,11 @@ class Viewer {
     void settleLater(const FrameView& view);
     /// Read a frame in the background.
     void prefetch(const nlohmann::json& state, std::int64_t frame);
+    /// The lines of a frame as linePacket() has them; empty if it has voxels.
+    /// @throws ParameterError on an impossible state or frame, InputError
+    [[nodiscard]] std::string lines(const nlohmann::json& state, std::int64_t frame);
+    /// Whether the first frame has lines.
+    [[nodiscard]] bool hasLines() const { return mHasLines; }
     /// The histograms of the frames that the choices are made from.
     [[nodiscard]] TextureHistograms histograms(const nlohmann::json& state);
 
@@ -102,6 +107,7 @@ class Viewer {
 
     Start mStart;
     FrameCache mCache;
+    bool mHasLines = false;
 
     std::mutex mMutex; // of the members below
     ViewSource mSource;

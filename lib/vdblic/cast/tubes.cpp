@@ -64,7 +64,7 @@ Tubes::Tubes(const Lines& lines, Values values, const openvdb::math::Transform& 
                                  isShown(openvdb::Coord::round(openvdb::Vec3d(middle)));
             if (isThere) {
                 if (isBound) mCones.back().hasNext = true;
-                mCones.push_back({i, isBound, false});
+                mCones.push_back({i, line.id, isBound, false});
             }
             isBound = isThere;
         }

@@ -73,6 +73,7 @@ class Tubes : public PlacedBox {
     /// Between two consecutive points.
     struct Cone {
         std::uint32_t first; ///< of its points
+        std::int32_t line;   ///< its line's id
         bool hasPrevious, hasNext;
     };
     /// The two points of a cone; its line's other points stand before and after them.

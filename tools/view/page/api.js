@@ -44,6 +44,22 @@ export async function ask(path, body) {
     return (await post(path, body)).json();
 }
 
+/// The file of a shader.
+export async function getText(path) {
+    return (await answerOf(path)).text();
+}
+
+/// Bytes that line_packet.h describes; null of a frame without lines.
+export async function askLines(body) {
+    const response = await post("lines", body);
+    return response.status === 204 ? null : response.arrayBuffer();
+}
+
+/// End pictures of the client that are being made.
+export function rest(body) {
+    post("rest", body).catch(() => {}); // a request that matters will tell
+}
+
 export async function askThumbnail(body) {
     return (await post("thumbnail", body)).blob();
 }

@@ -5,6 +5,7 @@ import { optionsOf } from "./camera.js";
 import { Cameras } from "./cameras.js";
 import { Controls } from "./controls.js";
 import { Cuts } from "./cuts.js";
+import { beginDrawing } from "./drawing.js";
 import { hexOf, isEdited } from "./elements.js";
 import { listenToHand } from "./hand.js";
 import { Keep } from "./keep.js";
@@ -16,6 +17,18 @@ import { Timeline } from "./timeline.js";
 import { Transfer } from "./transfer.js";
 
 const kOfCamera = new Set(["eye", "target", "up", "view-height"]);
+const kOfLines = new Set([
+    ...kOfCamera,
+    "range",
+    "opacity-range",
+    "color-scale",
+    "opacity-scale",
+    "opacity",
+    "colors",
+    "colormap",
+    "clip-plane",
+    "background",
+]); // what lines that are drawn here follow
 const kOfHistograms = [
     "look",
     "by",
@@ -62,7 +75,8 @@ async function begin() {
         if (!cameras.follows) delete state.keys;
         return { state, frame: store.frame, next: timeline.next() };
     };
-    const picture = new Picture(byId("picture"), shown);
+    const drawing = sequence.lines ? await beginDrawing(sequence, () => ({ ...view, transfer })) : null;
+    const picture = new Picture(byId("picture"), shown, drawing);
     const cuts = new Cuts(store, overlay, frozenView);
     const keep = new Keep(
         () => ({ state: { ...shown().state, size: picture.size }, frame: store.frame }),
@@ -133,7 +147,7 @@ async function begin() {
     let sceneTimer;
     store.addEventListener("options", (event) => {
         const { names } = event.detail;
-        picture.update();
+        picture.update(Boolean(names?.every((name) => kOfLines.has(name))));
         if (names && names.every((name) => kOfCamera.has(name)) && view.moving) return overlay.draw();
         clearTimeout(sceneTimer);
         sceneTimer = setTimeout(askScene, 60);
@@ -188,6 +202,7 @@ async function begin() {
     }
     for (const type of ["pointerenter", "focusin"]) looks.element.addEventListener(type, showThumbnails);
     picture.addEventListener("refined", showThumbnails);
+    picture.addEventListener("refined", () => drawing?.load(shown()));
 
     timeline.addEventListener("play", () => {
         if (timeline.isPlaying && cameras.keys.length) store.setFollows(true);

@@ -1,6 +1,6 @@
 // The picture: small ones while something moves, then better ones step by step.
 
-import { askPicture } from "./api.js";
+import { askPicture, rest } from "./api.js";
 
 const kAim = 55; // milliseconds for the rays of a picture while something moves; what else it takes follows no scale
 const kSmallest = 0.2; // scale
@@ -10,10 +10,12 @@ const kMostPixels = 4e6;
 
 export class Picture extends EventTarget {
     /// @param request () => { state, frame, next }
-    constructor(canvas, request) {
+    /// @param drawing what draws lines here while something moves; null: the program makes all pictures
+    constructor(canvas, request, drawing) {
         super();
         this.canvas = canvas;
         this.request = request;
+        this.drawing = drawing;
         this.client = Math.random().toString(36).slice(2);
         this.scale = 0.5;
         this.turn = 0; // of the newest request
@@ -45,9 +47,10 @@ export class Picture extends EventTarget {
         this.tell("resize");
     }
 
-    /// Something moves: show it soon, and refine the picture once it rests.
-    update() {
+    /// Something moves: show it soon, and refine the picture once it rests. @param draws whether it may be drawn here
+    update(draws = true) {
         this.wanted = true;
+        this.draws = draws;
         this.tell("text", "…");
         this.abortRefinement();
         this.refineLater();
@@ -68,18 +71,28 @@ export class Picture extends EventTarget {
             this.wanted = false;
             const scale = this.scale,
                 before = performance.now();
+            const drawn = this.draws && this.drawing ? await this.drawing.picture(this.request(), this.size) : null;
+            if (drawn) {
+                this.show({ ...drawn, turn: ++this.turn }, this.rateText(before) + drawn.text);
+                continue;
+            }
             const shown = await this.ask({ scale, samples: 1, quality: 75, step: kMovingStep });
             if (!shown) continue;
-            const spent = performance.now() - before;
-            this.rate = 0.8 * (this.rate || 1000 / spent) + (0.2 * 1000) / spent;
+            const text = this.rateText(before);
             this.scale = Math.min(
                 1,
                 Math.max(kSmallest, scale * Math.min(1.5, Math.max(0.5, Math.sqrt(kAim / Math.max(shown.cast, 1))))),
             );
-            this.show(shown, `${this.rate.toFixed(0)} pictures/s`);
+            this.show(shown, text);
         }
         this.busy = false;
         this.tell("rest");
+    }
+
+    rateText(before) {
+        const rate = 1000 / (performance.now() - before);
+        this.rate = 0.8 * (this.rate || rate) + 0.2 * rate;
+        return `${this.rate.toFixed(0)} pictures/s`;
     }
 
     refineLater() {
@@ -114,8 +127,10 @@ export class Picture extends EventTarget {
     }
 
     abortRefinement() {
-        this.refining?.abort();
+        if (!this.refining) return;
+        this.refining.abort();
         this.refining = null;
+        if (this.drawing) rest({ client: this.client, turn: ++this.turn });
     }
 
     async ask({ scale, samples, quality, step = 0 }, signal) {
@@ -139,7 +154,7 @@ export class Picture extends EventTarget {
     /// Show a picture, unless a newer one is there: answers may change places.
     show(shown, text) {
         if (this.shown?.turn > shown.turn) return;
-        this.shown?.bitmap.close();
+        this.shown?.bitmap.close?.();
         this.shown = shown;
         this.draw(shown);
         this.tell("text", text);

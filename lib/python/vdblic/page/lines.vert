@@ -17,7 +17,8 @@ uniform vec3 low, side; // box of the points, stretched
 uniform float now, tail, fade; // ticks
 uniform float radius, pixel; // of a head; share of the depth that a pixel covers
 uniform vec4 toColor; // from a stored value to its place in the colours: low, side, factor, shift
-uniform float least; // of shownBy, stored; below 0 all are shown
+uniform float least, soft; // of shownBy, stored, and how far from it opacity rises; below 0 all are shown
+uniform float steps; // across each side of the box
 uniform vec4 clip; // a plane
 uniform vec2 depths; // where the fog begins and ends
 
@@ -29,7 +30,7 @@ ivec2 at(int i, int width) { return ivec2(i % width, i / width); }
 uvec4 pointAt(int i) { return texelFetch(points, at(i, 4096), 0); }
 float valueAt(sampler2D values, int i) { return texelFetch(values, at(i, 4096), 0).r * (255.0 / 254.0); }
 uint ownerOf(int i) { return texelFetch(owners, at(i, 4096), 0).r; }
-vec3 placeOf(uvec4 p) { return low + vec3(p.xyz) / 8191.0 * side; }
+vec3 placeOf(uvec4 p) { return low + vec3(p.xyz) / steps * side; }
 
 void main()
 {
@@ -79,7 +80,7 @@ void main()
     }
     float solid = clamp(bright * young, 0.0, 1.0);
     opacity = 1.0 - exp(-3.0 * solid * solid * (3.0 - 2.0 * solid));
-    if (least >= 0.0) opacity *= smoothstep(least - 0.02, least + 0.02, value);
+    if (least >= 0.0) opacity *= smoothstep(least - soft, least + soft, value);
     vec2 stored = vec2(valueAt(colorBy, a), valueAt(colorBy, b)), values = sinh(toColor.x + toColor.y * stored);
     color = isPicked ? -4.0 : max(stored.x, stored.y) > 1.002 ? -2.0 : max(mix(values.x, values.y, share) * toColor.z + toColor.w, 0.0);
     fog = clamp((-seen.z - depths.x) / (depths.y - depths.x), 0.0, 1.0);

@@ -23,8 +23,8 @@ function wholeView() {
         if (scalars[state.shownBy][i] >= state.least * 254) seen.forEach((places, axis) => places.push(points[axis][i]));
     const ends = seen.map((places, axis) => {
         places.sort((a, b) => a - b);
-        const at = (share) => places[Math.floor(share * (places.length - 1))] ?? 8191 * share;
-        return [0.005, 0.995].map((share) => scene.low[axis] + (at(share) / 8191) * scene.side[axis]);
+        const at = (share) => places[Math.floor(share * (places.length - 1))] ?? flow.steps * share;
+        return [0.005, 0.995].map((share) => scene.low[axis] + (at(share) / flow.steps) * scene.side[axis]);
     });
     const sides = ends.map(([low, high]) => high - low || 1),
         target = ends.map(([low, high]) => (low + high) / 2),
@@ -78,7 +78,7 @@ function drawn() {
     const side = range[1] - range[0] || 1e-30,
         toColor = [scale.low, scale.high - scale.low, scale.bend / side, -range[0] / side];
     const least = state.least > 0 ? state.least : -1;
-    return { ...state, map: mapNow(), scale, range, toColor, least, clip, background, picked };
+    return { ...state, map: mapNow(), scale, range, toColor, least, soft: 0.02, clip, background, picked };
 }
 
 function render() {
@@ -221,8 +221,8 @@ async function choosePart() {
 }
 
 async function begin() {
-    scene = new Scene(canvas, flow);
-    scene.fill(await unpacked(flow, byId("data").textContent));
+    scene = new Scene(canvas, kShaders);
+    scene.fill(flow, await unpacked(flow, byId("data").textContent));
     byId("data").remove();
     state.camera ??= wholeView();
     const isAsked = state.part > 0;
@@ -246,7 +246,7 @@ async function begin() {
         acts[event.key]();
     });
     canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
-    canvas.addEventListener("webglcontextrestored", () => { scene.begin(); scene.fill(scene.data); changed(); });
+    canvas.addEventListener("webglcontextrestored", () => { scene.begin(); scene.fill(flow, scene.data); changed(); });
     new ResizeObserver(changed).observe(canvas);
     settings();
     await scene.timeOf(drawn()); // the first takes longer

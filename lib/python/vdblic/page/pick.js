@@ -13,9 +13,9 @@ export function lineAt(scene, state, x, y, focal) {
         [, , born, gone] = data.lines,
         { forward, right, up } = axes(state.camera),
         [now, from, to] = scene.span(state),
-        rows = [right, up, forward].map((row) => [...row.map((c, i) => (c * side[i]) / 8191), dot(row, low) - dot(row, state.camera.eye)]),
+        rows = [right, up, forward].map((row) => [...row.map((c, i) => (c * side[i]) / flow.steps), dot(row, low) - dot(row, state.camera.eye)]),
         seen = (i) => rows.map((row) => row[0] * px[i] + row[1] * py[i] + row[2] * pz[i] + row[3]),
-        clipped = (i) => state.clip[3] < [px, py, pz].reduce((sum, column, c) => sum + state.clip[c] * (low[c] + (column[i] / 8191) * side[c]), 0);
+        clipped = (i) => state.clip[3] < [px, py, pz].reduce((sum, column, c) => sum + state.clip[c] * (low[c] + (column[i] / flow.steps) * side[c]), 0);
     let best = null,
         nearest = Infinity;
     for (let i = from; i < to; ++i) {

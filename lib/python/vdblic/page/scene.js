@@ -1,4 +1,4 @@
-// Lines, their box and the solid by WebGL 2. All values are uploaded once.
+// Lines, their box and the solid by WebGL 2, in pages of lines and in the viewer. All values are uploaded once.
 
 import { axes } from "./camera.js";
 import { channels } from "./elements.js";
@@ -9,9 +9,14 @@ const kWidth = 4096; // of textures
 const kAtOnce = 16384; // pieces, whose corners have numbers of 16 bits
 
 export class Scene {
-    /// Compiles the shaders; fill() comes next.
-    constructor(canvas, flow) {
-        Object.assign(this, { canvas, flow });
+    /// Compiles the shaders; fill() comes next. @param shaders texts by file
+    constructor(canvas, shaders) {
+        Object.assign(this, { canvas, shaders });
+        this.begin();
+    }
+
+    place(flow) {
+        this.flow = flow;
         this.low = flow.low.map((c, i) => c * flow.stretch[i]);
         this.side = flow.high.map((c, i) => c * flow.stretch[i] - this.low[i]);
         const ends = [flow.low, flow.high, ...(flow.solid ? [flow.solid.low, flow.solid.high] : [])];
@@ -19,7 +24,6 @@ export class Scene {
         const fade = 0.4 * (this.side[0] + this.side[1]), // as vdblic_render has it
             [low, high] = this.reach;
         this.ground = { height: low[2], fade, reach: [[low[0] - fade, low[1] - fade, low[2]], [high[0] + fade, high[1] + fade, high[2]]] };
-        this.begin();
     }
 
     /// Compile the shaders, which the machine does while values are unpacked; again after the context was lost.
@@ -35,21 +39,35 @@ export class Scene {
         gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
         gl.enable(gl.DEPTH_TEST);
         this.drawLines(0, 1); // nothing yet, but some compile at the first use
-        this.chosen = this.map = this.mapTexture = null;
+        this.map = this.mapTexture = null;
+        this.textures = this.scalars = [];
     }
 
-    /// Upload all values; again after begin(). @param data as unpacked() gives it
-    fill(data) {
+    /// Upload all values; again after begin(). @param data as unpacked() gives it; `ids` of lines, if there, choose parts
+    fill(flow, data) {
+        this.place(flow);
+        if (this.data !== data) this.pieces = pieces(data.lines[0], data.points[3]);
         this.data = data;
-        this.pieces ??= pieces(data.lines[0], data.points[3]);
+        for (const texture of this.textures) this.gl.deleteTexture(texture);
         const gl = this.gl,
             [x, y, z, t] = data.points,
             [, own, born, gone] = data.lines;
-        this.texture(0, gl.RGBA16UI, gl.RGBA_INTEGER, gl.UNSIGNED_SHORT, Uint16Array, [x, y, z, t]);
-        this.texture(1, gl.RGBA16UI, gl.RGBA_INTEGER, gl.UNSIGNED_SHORT, Uint16Array, [own, born, gone, gone]);
-        this.texture(2, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array, [this.pieces.owners]);
-        this.scalars = data.scalars.map((v) => this.texture(3, gl.R8, gl.RED, gl.UNSIGNED_BYTE, Uint8Array, [v]));
+        this.textures = [
+            this.texture(0, gl.RGBA16UI, gl.RGBA_INTEGER, gl.UNSIGNED_SHORT, Uint16Array, [x, y, z, t]),
+            this.texture(1, gl.RGBA16UI, gl.RGBA_INTEGER, gl.UNSIGNED_SHORT, Uint16Array, [own, born, gone, gone]),
+            this.texture(2, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array, [this.pieces.owners]),
+        ];
+        this.setScalars(data.scalars);
         this.solid = data.solid && this.uploadSolid();
+    }
+
+    /// @param columns stored values of the points, by the numbers in states
+    setScalars(columns) {
+        const { gl } = this;
+        for (const texture of this.scalars) gl.deleteTexture(texture);
+        this.data.scalars = columns;
+        this.scalars = columns.map((v) => this.texture(3, gl.R8, gl.RED, gl.UNSIGNED_BYTE, Uint8Array, [v]));
+        this.chosen = null;
     }
 
     uploadSolid() {
@@ -76,7 +94,7 @@ export class Scene {
             program = gl.createProgram();
         for (const [kind, end] of [[gl.VERTEX_SHADER, "vert"], [gl.FRAGMENT_SHADER, "frag"]]) {
             const shader = gl.createShader(kind);
-            gl.shaderSource(shader, (end === "frag" ? kShaders["shade.frag"] : "") + kShaders[`${name}.${end}`]);
+            gl.shaderSource(shader, (end === "frag" ? this.shaders["shade.frag"] : "") + this.shaders[`${name}.${end}`]);
             gl.compileShader(shader);
             gl.attachShader(program, shader);
         }
@@ -117,30 +135,38 @@ export class Scene {
 
     /// The milliseconds that a picture takes to be drawn.
     async timeOf(state) {
-        const before = performance.now(),
-            { gl } = this;
+        const before = performance.now();
         this.draw(state);
-        const end = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-        gl.flush();
-        while (gl.clientWaitSync(end, 0, 0) === gl.TIMEOUT_EXPIRED) await new Promise((done) => setTimeout(done));
-        gl.deleteSync(end);
+        await this.finish();
         return performance.now() - before;
     }
 
+    /// Wait until all is drawn.
+    async finish() {
+        const { gl } = this,
+            end = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+        if (!end) return; // the context is lost
+        gl.flush();
+        while (gl.clientWaitSync(end, 0, 0) === gl.TIMEOUT_EXPIRED) await new Promise((done) => setTimeout(done));
+        gl.deleteSync(end);
+    }
+
     /// Upload the pieces that can be seen with a threshold, of one in `part` lines, by the time of their ends.
-    choose({ shownBy, least, part }) {
+    choose({ shownBy, least, soft, part }) {
         const key = `${shownBy} ${least} ${part}`;
         if (this.chosen === key) return;
         this.chosen = key;
         const { order, starts, owners } = this.pieces,
             values = this.data.scalars[shownBy],
-            bound = least < 0 ? 0 : Math.floor((least - 0.02) * 254);
+            { ids } = this.data,
+            bound = least < 0 ? 0 : Math.floor((least - soft) * 254);
         const kept = new Uint32Array(order.length);
         this.starts = new Uint32Array(starts.length);
         for (let tick = 0, i = 0, count = 0; tick < starts.length; ++tick) {
             for (; i < starts[tick]; ++i) {
-                const piece = order[i];
-                if (owners[piece] % part === 0 && Math.max(values[piece], values[piece + 1]) >= bound) kept[count++] = piece;
+                const piece = order[i],
+                    number = ids ? ids[owners[piece]] : owners[piece];
+                if (number % part === 0 && Math.max(values[piece], values[piece + 1]) >= bound) kept[count++] = piece;
             }
             this.starts[tick] = count;
         }
@@ -150,7 +176,8 @@ export class Scene {
         this.order = this.texture(6, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, Uint32Array, [kept.subarray(0, this.starts.at(-1))]);
     }
 
-    /// @param state { camera, frame, colorBy, toColor, shownBy, least, clip, map, background, box, ground, picked }; stored values
+    /// @param state { camera, frame, colorBy, toColor, shownBy, least, soft, part, clip, map, background, box, ground,
+    ///        picked }; stored values
     draw(state) {
         const { gl, flow, canvas } = this,
             { camera } = state;
@@ -209,7 +236,8 @@ export class Scene {
         });
         const [now, from, to] = this.span(state),
             tail = flow.tail / flow.tick;
-        const numbers = { now, tail, fade: 1.5 / flow.tick, radius: flow.radius * Math.cbrt(state.part), pixel: 2 / f / canvas.height, least: state.least };
+        const numbers = { now, tail, fade: 1.5 / flow.tick, radius: flow.radius * Math.cbrt(state.part) };
+        Object.assign(numbers, { pixel: 2 / f / canvas.height, least: state.least, soft: state.soft, steps: flow.steps });
         for (const [name, value] of Object.entries(numbers)) gl.uniform1f(this.lines.at(name), value);
         gl.uniform4fv(this.lines.at("toColor"), state.toColor);
         gl.uniform4fv(this.lines.at("clip"), state.clip);
