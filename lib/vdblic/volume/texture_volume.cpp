@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <atomic>
@@ -219,23 +218,20 @@ VolumeSamples TextureVolume::samples() const
             const LeafVoxel at = LeafVoxel::at(offset);
             const TextureRecord record = records(leaf)[TextureLeaf::index(at.x, at.y, at.z)];
             samples.texture.push_back(mScales[leaf].low + float(record) * mScales[leaf].perUnit);
-            const Float8 position[] = {broadcast8(float(at.x)), broadcast8(float(at.y)), broadcast8(float(at.z))};
-            const Unsigned8 leaves = Unsigned8{} + unsigned(leaf);
-            samples.driver.push_back(mDrivers.at(leaves, position)[0]);
-            if (mColors) samples.color.push_back(mColors->at(leaves, position)[0]);
+            samples.driver.push_back(mDrivers.row(leaf, at.x, at.y)[at.z]);
+            if (mColors) samples.color.push_back(mColors->row(leaf, at.x, at.y)[at.z]);
         }
     };
-    return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, leafCount()), VolumeSamples{},
-        [&](const tbb::blocked_range<std::size_t>& leaves, VolumeSamples samples) {
-            for (std::size_t leaf = leaves.begin(); leaf < leaves.end(); ++leaf)
-                add(leaf, samples);
-            return samples;
-        },
-        [](VolumeSamples first, const VolumeSamples& second) {
-            first.append(second);
-            return first;
-        });
+    constexpr std::size_t kLeaves = 256; // of a part
+    std::vector<VolumeSamples> parts((leafCount() + kLeaves - 1) / kLeaves);
+    tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t part) {
+        for (std::size_t leaf = part * kLeaves; leaf < std::min(leafCount(), (part + 1) * kLeaves); ++leaf)
+            add(leaf, parts[part]);
+    });
+    VolumeSamples all;
+    for (const VolumeSamples& part : parts)
+        all.append(part);
+    return all;
 }
 
 } // namespace vdblic
