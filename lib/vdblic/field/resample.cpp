@@ -21,9 +21,9 @@ constexpr int kDim = LeafVoxel::kDim;
 
 /// The voxels of a leaf along an axis, between the coarse voxels that they refine.
 struct AxisPlaces {
-    int first = 0, count = 0;  ///< coarse voxels that the leaf depends on
-    int before[kDim]{};        ///< number of the coarse voxel before each voxel
-    double weights[2][kDim]{}; ///< of the coarse voxels before and after it
+    int first = 0, count = 0; ///< coarse voxels that the leaf depends on
+    int before[kDim]{};       ///< number of the coarse voxel before each voxel
+    Double4 weights[2][2]{};  ///< of the coarse voxels before and after it, in halves
 
     AxisPlaces(const Refinement& refinement, std::size_t axis, const openvdb::Coord& origin)
     {
@@ -32,11 +32,12 @@ struct AxisPlaces {
                          base = std::floor(position);
             if (i == 0) first = int(base);
             before[i] = int(base) - first;
-            weights[0][i] = 1 - (position - base);
-            weights[1][i] = position - base;
+            weights[0][i / 4][i % 4] = 1 - (position - base);
+            weights[1][i / 4][i % 4] = position - base;
         }
         count = before[kDim - 1] + 2;
     }
+    [[nodiscard]] VDBLIC_INLINE double weight(int side, int i) const { return weights[side][i / 4][i % 4]; }
 };
 
 /// The values of a coarse grid at the voxels of a leaf that refines it, as valueAt() has them, to the bit.
@@ -57,8 +58,8 @@ class FinerLeaf {
             for (int side = 0; side < 2; ++side) {
                 for (int i = 0; i < kDim; ++i) {
                     const int at = z.before[i] + side;
-                    mRows[row].values[side][i] = active[at] ? double(coarse[at]) : 0;
-                    mRows[row].coverage[side][i] = active[at] ? 1 : 0;
+                    mRows[row].values[side][i / 4][i % 4] = active[at] ? double(coarse[at]) : 0;
+                    mRows[row].coverage[side][i / 4][i % 4] = active[at] ? 1 : 0;
                 }
             }
         }
@@ -71,21 +72,25 @@ class FinerLeaf {
         const auto& [x, y, z] = mAxes;
         for (int row = 0; row < LeafVoxel::kRows; ++row) {
             const LeafVoxel voxel = LeafVoxel::ofRow(row);
-            double sums[kDim]{}, weights[kDim]{};
+            const Row* coarse[4];
+            double shares[4];
             for (int corner = 0; corner < 4; ++corner) {
                 const int sideX = corner >> 1, sideY = corner & 1;
-                const Row& coarse = mRows[(x.before[voxel.x] + sideX) * y.count + y.before[voxel.y] + sideY];
-                const double share = x.weights[sideX][voxel.x] * y.weights[sideY][voxel.y];
-                for (int side = 0; side < 2; ++side) {
-                    for (int i = 0; i < kDim; ++i) {
-                        const double weight = share * z.weights[side][i];
-                        sums[i] += weight * coarse.values[side][i];
-                        weights[i] += weight * coarse.coverage[side][i];
-                    }
-                }
+                coarse[corner] = &mRows[(x.before[voxel.x] + sideX) * y.count + y.before[voxel.y] + sideY];
+                shares[corner] = x.weight(sideX, voxel.x) * y.weight(sideY, voxel.y);
             }
-            for (int i = 0; i < kDim; ++i)
-                result[row * kDim + i] = weights[i] > 0 ? float(sums[i] / weights[i]) : 0;
+            for (int half = 0; half < 2; ++half) {
+                Double4 sums{}, weights{};
+                const auto add = [&](int corner, int side) {
+                    const Double4 weight = shares[corner] * z.weights[side][half];
+                    sums += weight * coarse[corner]->values[side][half];
+                    weights += weight * coarse[corner]->coverage[side][half];
+                };
+                add(0, 0), add(0, 1), add(1, 0), add(1, 1), add(2, 0), add(2, 1), add(3, 0), add(3, 1);
+                const Double4 means = weights > 0 ? sums / weights : Double4{};
+                const auto four = __builtin_convertvector(means, Float4);
+                __builtin_memcpy(result + row * kDim + half * 4, &four, sizeof four);
+            }
         }
     }
 
@@ -94,7 +99,7 @@ class FinerLeaf {
 
     /// Coarse voxels of a row along z, before and after each voxel of the leaf.
     struct Row {
-        double values[2][kDim], coverage[2][kDim];
+        Double4 values[2][2], coverage[2][2];
     };
 
     std::array<AxisPlaces, 3> mAxes;
@@ -119,10 +124,9 @@ openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& values, const openvd
     leaves.foreach ([&](Leaf& leaf, std::size_t) {
         const openvdb::FloatGrid::ConstAccessor accessor = values.getConstAccessor();
         if (refinement) {
-            float result[LeafVoxel::kCount];
-            FinerLeaf(accessor, leaf.origin(), *refinement).interpolate(result);
-            for (auto voxel = leaf.beginValueOn(); voxel; ++voxel)
-                voxel.setValue(result[voxel.pos()]);
+            FinerLeaf(accessor, leaf.origin(), *refinement).interpolate(leaf.buffer().data());
+            for (auto voxel = leaf.beginValueOff(); voxel; ++voxel)
+                voxel.setValue(0);
             return;
         }
         for (auto voxel = leaf.beginValueOn(); voxel; ++voxel)
