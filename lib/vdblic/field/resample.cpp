@@ -48,19 +48,19 @@ class FinerLeaf {
         : mAxes{AxisPlaces(refinement, 0, origin), AxisPlaces(refinement, 1, origin), AxisPlaces(refinement, 2, origin)}
     {
         const auto& [x, y, z] = mAxes;
-        float coarse[kMost];
-        bool active[kMost];
         for (int row = 0; row < x.count * y.count; ++row) {
+            double coarse[kMost], coverage[kMost];
             for (int i = 0; i < z.count; ++i) {
                 const openvdb::Coord voxel(x.first + row / y.count, y.first + row % y.count, z.first + i);
-                active[i] = values.probeValue(voxel, coarse[i]);
+                float value = 0;
+                const bool isActive = values.probeValue(voxel, value);
+                coarse[i] = isActive ? double(value) : 0;
+                coverage[i] = isActive ? 1 : 0;
             }
-            for (int side = 0; side < 2; ++side) {
-                for (int i = 0; i < kDim; ++i) {
-                    const int at = z.before[i] + side;
-                    mRows[row].values[side][i / 4][i % 4] = active[at] ? double(coarse[at]) : 0;
-                    mRows[row].coverage[side][i / 4][i % 4] = active[at] ? 1 : 0;
-                }
+            for (int i = 0; i < 2 * kDim; ++i) {
+                const int side = i / kDim, half = i / 4 % 2, at = z.before[i % kDim] + side;
+                mRows[row].values[side][half][i % 4] = coarse[at];
+                mRows[row].coverage[side][half][i % 4] = coverage[at];
             }
         }
     }

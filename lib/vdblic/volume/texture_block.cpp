@@ -8,35 +8,38 @@
 namespace vdblic {
 namespace {
 
-using TreeLeaf = openvdb::FloatTree::LeafNodeType;
-
-/// The rows of a leaf, or of a tile: all rows of a tile are one.
+/// The rows of a leaf; or of a tile, which are all one.
 class SourceRows {
   public:
     /// @param origin of a leaf
     SourceRows(const openvdb::tree::ValueAccessor<const openvdb::FloatTree>& accessor, const openvdb::Coord& origin)
-        : mLeaf(accessor.probeConstLeaf(origin))
     {
+        const openvdb::FloatTree::LeafNodeType* const leaf = accessor.probeConstLeaf(origin);
+        if (leaf && leaf->buffer().data()) {
+            mValues = leaf->buffer().data();
+            mActive = &leaf->getValueMask();
+            mStride = LeafVoxel::kDim;
+            return;
+        }
         float tile = 0;
-        if (!mLeaf) mTileBits = accessor.probeValue(origin, tile) ? 0xff : 0;
+        if (accessor.probeValue(origin, tile)) mActive = &kAll;
         std::fill_n(mTile, LeafVoxel::kDim, tile);
-        mValues = mLeaf ? mLeaf->buffer().data() : nullptr; // null while its values are on disk
     }
 
-    [[nodiscard]] VDBLIC_INLINE const float* values(int row) const
-    {
-        return mValues ? mValues + row * std::ptrdiff_t(LeafVoxel::kDim) : mTile;
-    }
+    [[nodiscard]] VDBLIC_INLINE const float* values(int row) const { return mValues + row * mStride; }
     [[nodiscard]] VDBLIC_INLINE unsigned active(int row) const
     {
-        return mLeaf ? mLeaf->getValueMask().getWord<std::uint8_t>(openvdb::Index(row)) : mTileBits;
+        return mActive->getWord<std::uint8_t>(openvdb::Index(row));
     }
 
   private:
-    const TreeLeaf* mLeaf;
-    const float* mValues;
+    using Mask = TextureVolume::Mask;
+    inline static const Mask kAll{true}, kNone{false};
+
     float mTile[LeafVoxel::kDim];
-    unsigned mTileBits = 0;
+    const float* mValues = mTile;
+    const Mask* mActive = &kNone;
+    std::ptrdiff_t mStride = 0;
 };
 
 /// Copy the values of a block from the 27 leaves or tiles that it overlaps.
