@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -32,7 +33,7 @@ bool isBefore(const InclusiveBox& a, const InclusiveBox& b)
     return std::lexicographical_compare(inA.begin(), inA.end(), inB.begin(), inB.end());
 }
 
-/// The faces of boxes, eight boxes at a time; the last one fills up its eight.
+/// The faces of boxes, in groups; the last box fills up its group.
 class BoxFaces {
   public:
     explicit BoxFaces(const std::vector<InclusiveBox>& boxes)
@@ -40,10 +41,10 @@ class BoxFaces {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             for (const bool isHigh : {false, true}) {
                 std::vector<float>& faces = mFaces[axis][std::size_t(isHigh)];
-                faces.reserve(boxes.size() + kLanes - 1);
+                faces.reserve(boxes.size() + kGroup - 1);
                 for (const InclusiveBox& box : boxes)
                     faces.push_back(isHigh ? float(box.high[axis]) + 0.5f : float(box.low[axis]) - 0.5f);
-                faces.resize((boxes.size() + kLanes - 1) / kLanes * kLanes, faces.back());
+                faces.resize((boxes.size() + kGroup - 1) / kGroup * kGroup, faces.back());
             }
         }
     }
@@ -52,6 +53,8 @@ class BoxFaces {
     [[nodiscard]] std::vector<std::size_t> farthest(const glm::dvec3& direction) const;
 
   private:
+    static constexpr std::size_t kGroup = 8 * kLanes;
+
     std::vector<float> mFaces[3][2]; // by axis; the low and the high ones
 };
 
@@ -68,19 +71,25 @@ std::vector<std::size_t> BoxFaces::farthest(const glm::dvec3& direction) const
             std::memcpy(&at[axis], faces[axis] + first, sizeof at[axis]);
         return along.x * at[0] + along.y * at[1] + along.z * at[2];
     };
-    const std::size_t count = mFaces[0][0].size();
-    Float8 most = reach(0);
-    for (std::size_t first = kLanes; first < count; first += kLanes) {
-        const Float8 here = reach(first);
-        most = here > most ? here : most;
+    std::vector<float> most(mFaces[0][0].size() / kGroup);
+    for (std::size_t group = 0; group < most.size(); ++group) {
+        Float8 lanes = reach(group * kGroup);
+        for (std::size_t i = kLanes; i < kGroup; i += kLanes) {
+            const Float8 here = reach(group * kGroup + i);
+            lanes = here > lanes ? here : lanes;
+        }
+        most[group] = lanes[0];
+        for (int lane = 1; lane < kLanes; ++lane)
+            most[group] = std::max(most[group], lanes[lane]);
     }
-    float farthest = most[0];
-    for (int lane = 1; lane < kLanes; ++lane)
-        farthest = std::max(farthest, most[lane]);
+    const float farthest = *std::max_element(most.begin(), most.end());
     std::vector<std::size_t> found;
-    for (std::size_t first = 0; first < count; first += kLanes) {
-        for (unsigned left = bitsOf(reach(first) == farthest); left != 0; left &= left - 1)
-            found.push_back(first + std::size_t(__builtin_ctz(left)));
+    for (std::size_t group = 0; group < most.size(); ++group) {
+        if (most[group] < farthest) continue;
+        for (std::size_t first = group * kGroup; first < (group + 1) * kGroup; first += kLanes) {
+            for (unsigned left = bitsOf(reach(first) == farthest); left != 0; left &= left - 1)
+                found.push_back(first + std::size_t(std::countr_zero(left)));
+        }
     }
     return found;
 }

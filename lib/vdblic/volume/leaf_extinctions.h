@@ -28,8 +28,7 @@ VDBLIC_INLINE void forExtinctions(const TextureVolume& volume, const Look& look,
             if (!anyOf(seen)) continue;
             const Float8 texture = scale.low + __builtin_convertvector(records, Float8) * scale.perUnit;
             const Float8 density = look.texture.density(look.texture.stretched(texture));
-            const Float8 position[] = {broadcast8(float(x)), broadcast8(float(y)), Float8{0, 1, 2, 3, 4, 5, 6, 7}};
-            const Int8 entries = look.transfer.entries(volume.drivers().at(Unsigned8{} + unsigned(leaf), position));
+            const Int8 entries = look.transfer.entries(volume.drivers().row(leaf, x, y));
             Float8 extinctions;
             for (int z = 0; z < kLanes; ++z)
                 extinctions[z] = look.transfer.extinctions()[entries[z]];

@@ -7,6 +7,7 @@
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstring>
 #include <memory>
 #include <optional>
 
@@ -40,6 +41,18 @@ class ScalarRecords {
         const Unsigned8 low =
             base + unsigned(mFirst) + Unsigned8((cells.low[0] * mDim[1] + cells.low[1]) * mDim[2] + cells.low[2]);
         return interpolate(mValues.get(), low, mDim[2], mDim[1] * mDim[2], cells.fraction);
+    }
+
+    /// The values at a row of a leaf's voxels along z.
+    [[nodiscard]] VDBLIC_INLINE Float8 row(std::size_t leaf, int x, int y) const
+    {
+        if (mIsCoarse) {
+            const Float8 position[] = {broadcast8(float(x)), broadcast8(float(y)), Float8{0, 1, 2, 3, 4, 5, 6, 7}};
+            return at(Unsigned8{} + unsigned(leaf), position);
+        }
+        Float8 row;
+        std::memcpy(&row, values(leaf) + ScalarLeaf::index(x, y, 0), sizeof row);
+        return row;
     }
 
     [[nodiscard]] std::size_t bytesPerLeaf() const { return mSize * sizeof(float); }

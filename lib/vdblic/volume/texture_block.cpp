@@ -8,50 +8,69 @@
 namespace vdblic {
 namespace {
 
-/// Copy the rows of a block that lie in one leaf or tile: those from `begin` to `end` along x and y, and as many voxels
-/// along z as a block has of that leaf.
-/// @param leaf   or null: then all voxels are as the tile
-/// @param active receives the bits of active voxels; may be null
-template<int kCount>
-VDBLIC_INLINE void copyRows(const openvdb::FloatTree::LeafNodeType* leaf, float tile, bool tileActive,
-                            const openvdb::Coord& begin, int endX, int endY, float* values,
-                            TextureBlock::RowBits* active)
-{
-    constexpr unsigned kBits = (1u << kCount) - 1;
-    const float* source = leaf ? leaf->buffer().data() : nullptr;
-    for (int x = begin[0]; x < endX; ++x) {
-        for (int y = begin[1]; y < endY; ++y) {
-            const int i = TextureBlock::index(x, y, begin[2]);
-            const auto offset = unsigned(LeafVoxel::offset(x, y, begin[2]));
-            if (source) {
-                std::copy_n(source + offset, kCount, values + i);
-            } else {
-                std::fill_n(values + i, kCount, tile);
-            }
-            if (!active) continue;
-            unsigned bits = tileActive ? kBits : 0;
-            if (leaf) bits = unsigned(leaf->getValueMask().getWord<openvdb::Index64>(offset >> 6) >> (offset & 63));
-            active[TextureBlock::row(x, y)] |= TextureBlock::RowBits((bits & kBits) << (begin[2] + TextureBlock::kRim));
+/// The rows of a leaf; or of a tile, which are all one.
+class SourceRows {
+  public:
+    /// @param origin of a leaf
+    SourceRows(const openvdb::tree::ValueAccessor<const openvdb::FloatTree>& accessor, const openvdb::Coord& origin)
+    {
+        const openvdb::FloatTree::LeafNodeType* const leaf = accessor.probeConstLeaf(origin);
+        if (leaf && leaf->buffer().data()) {
+            mValues = leaf->buffer().data();
+            mActive = &leaf->getValueMask();
+            mStride = LeafVoxel::kDim;
+            return;
         }
+        float tile = 0;
+        if (accessor.probeValue(origin, tile)) mActive = &kAll;
+        std::fill_n(mTile, LeafVoxel::kDim, tile);
     }
-}
+
+    [[nodiscard]] VDBLIC_INLINE const float* values(int row) const { return mValues + row * mStride; }
+    [[nodiscard]] VDBLIC_INLINE unsigned active(int row) const
+    {
+        return mActive->getWord<std::uint8_t>(openvdb::Index(row));
+    }
+
+  private:
+    using Mask = TextureVolume::Mask;
+    inline static const Mask kAll{true}, kNone{false};
+
+    float mTile[LeafVoxel::kDim];
+    const float* mValues = mTile;
+    const Mask* mActive = &kNone;
+    std::ptrdiff_t mStride = 0;
+};
 
 /// Copy the values of a block from the 27 leaves or tiles that it overlaps.
-/// @param active receives the bits of active voxels, of rows that were without; may be null
+/// @param active receives the bits of active voxels; may be null
 template<int kRim>
 VDBLIC_INLINE void copyValues(const openvdb::FloatTree& tree, const openvdb::Coord& origin, float* values,
                               TextureBlock::RowBits* active)
 {
     constexpr int kLeafDim = LeafVoxel::kDim, kBegin[] = {-kRim, 0, kLeafDim}, kEnd[] = {0, kLeafDim, kLeafDim + kRim};
+    constexpr int kLast = kLeafDim - kRim; // voxels of a row before its last ones
     const openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(tree);
-    for (int part = 0; part < 27; ++part) {
-        const int p[] = {part / 9, part / 3 % 3, part % 3};
-        const openvdb::Coord begin(kBegin[p[0]], kBegin[p[1]], kBegin[p[2]]);
-        const openvdb::FloatTree::LeafNodeType* leaf = accessor.probeConstLeaf(origin + begin);
-        float tile = 0;
-        const bool tileActive = !leaf && accessor.probeValue(origin + begin, tile);
-        const auto copy = p[2] == 1 ? copyRows<kLeafDim> : copyRows<kRim>;
-        copy(leaf, tile, tileActive, begin, kEnd[p[0]], kEnd[p[1]], values, active);
+    for (int part = 0; part < 9; ++part) {
+        const int px = part / 3, py = part % 3;
+        const auto rows = [&](int leaf) {
+            return SourceRows(accessor, origin.offsetBy((px - 1) * kLeafDim, (py - 1) * kLeafDim, leaf * kLeafDim));
+        };
+        const SourceRows before = rows(-1), middle = rows(0), after = rows(1);
+        for (int x = kBegin[px]; x < kEnd[px]; ++x) {
+            for (int y = kBegin[py]; y < kEnd[py]; ++y) {
+                const int row = LeafVoxel::row(x, y);
+                float* const to = values + TextureBlock::index(x, y, -kRim);
+                __builtin_memcpy(to, before.values(row) + kLast, kRim * sizeof(float));
+                __builtin_memcpy(to + kRim, middle.values(row), kLeafDim * sizeof(float));
+                __builtin_memcpy(to + kRim + kLeafDim, after.values(row), kRim * sizeof(float));
+                if (!active) continue;
+                const unsigned rim = (1u << kRim) - 1;
+                const unsigned bits = before.active(row) >> kLast | middle.active(row) << kRim |
+                                      (after.active(row) & rim) << (kRim + kLeafDim);
+                active[TextureBlock::row(x, y)] = TextureBlock::RowBits(bits << (TextureBlock::kRim - kRim));
+            }
+        }
     }
 }
 
@@ -73,12 +92,11 @@ VDBLIC_INLINE Int8 halfMask(unsigned bits, int half)
 VDBLIC_INLINE unsigned finiteOf(const float* row)
 {
     constexpr int kExponent = 0x7f800000;
-    unsigned bits = 0;
-    for (int half = 0; half < 2; ++half) {
-        const auto exponents = __builtin_bit_cast(Int8, loadHalf(row, half)) & kExponent;
-        bits |= bitsOf(exponents != kExponent) << (half * kLanes);
-    }
-    return bits;
+    Int8 isOther[2];
+    for (int half = 0; half < 2; ++half)
+        isOther[half] = (__builtin_bit_cast(Int8, loadHalf(row, half)) & kExponent) == kExponent;
+    if (!anyOf(isOther[0] | isOther[1])) return ~0u;
+    return ~(bitsOf(isOther[0]) | bitsOf(isOther[1]) << kLanes);
 }
 
 /// The least and the largest of numbers.

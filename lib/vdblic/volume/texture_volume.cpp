@@ -16,10 +16,10 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -67,6 +67,22 @@ std::uint64_t numberOf(const openvdb::Coord& origin)
     for (int axis = 0; axis < 3; ++axis)
         number = number << kBits | (std::uint64_t(origin[axis] >> LeafVoxel::kLog2Dim) & ((1u << kBits) - 1));
     return number * LeafVoxel::kCount;
+}
+
+/// Choose voxels of a leaf by their numbers' bits, mixed. @param rows receives a bit for each voxel
+VDBLIC_KERNEL
+void chooseVoxels(std::uint64_t firstNumber, std::uint64_t highest, std::uint8_t* rows)
+{
+    for (int row = 0; row < LeafVoxel::kRows; ++row) {
+        unsigned chosen = 0;
+        for (int z = 0; z < LeafVoxel::kDim; z += 4) {
+            const std::uint64_t first = firstNumber + unsigned(row * LeafVoxel::kDim + z);
+            const auto isChosen = mixBits(first + UnsignedLong4{0, 1, 2, 3}) <= highest;
+            for (int lane = 0; lane < 4; ++lane)
+                chosen |= unsigned(isChosen[lane] & 1) << (z + lane);
+        }
+        rows[row] = std::uint8_t(chosen);
+    }
 }
 
 } // namespace
@@ -212,30 +228,30 @@ VolumeSamples TextureVolume::samples() const
     const std::uint64_t voxels = domain().voxelCount(), highest = voxels <= kMost ? kAll : kAll / voxels * kMost;
     const auto add = [&](std::size_t leaf, VolumeSamples& samples) {
         if (!isOwn(leaf)) return;
-        const std::uint64_t number = numberOf(origin(leaf));
-        for (auto shown = mShown[leaf].beginOn(); shown; ++shown) {
-            const unsigned offset = shown.pos();
-            if (mixBits(number + offset) > highest) continue;
-            const LeafVoxel at = LeafVoxel::at(offset);
-            const TextureRecord record = records(leaf)[TextureLeaf::index(at.x, at.y, at.z)];
-            samples.texture.push_back(mScales[leaf].low + float(record) * mScales[leaf].perUnit);
-            const Float8 position[] = {broadcast8(float(at.x)), broadcast8(float(at.y)), broadcast8(float(at.z))};
-            const Unsigned8 leaves = Unsigned8{} + unsigned(leaf);
-            samples.driver.push_back(mDrivers.at(leaves, position)[0]);
-            if (mColors) samples.color.push_back(mColors->at(leaves, position)[0]);
+        std::uint8_t chosen[LeafVoxel::kRows];
+        chooseVoxels(numberOf(origin(leaf)), highest, chosen);
+        for (int row = 0; row < LeafVoxel::kRows; ++row) {
+            const LeafVoxel first = LeafVoxel::ofRow(row);
+            const TextureRecord* const texture = records(leaf) + TextureLeaf::index(first.x, first.y, 0);
+            unsigned left = chosen[row] & mShown[leaf].getWord<std::uint8_t>(openvdb::Index(row));
+            for (; left != 0; left &= left - 1) {
+                const int z = std::countr_zero(left);
+                samples.texture.push_back(mScales[leaf].low + float(texture[z]) * mScales[leaf].perUnit);
+                samples.driver.push_back(mDrivers.row(leaf, first.x, first.y)[z]);
+                if (mColors) samples.color.push_back(mColors->row(leaf, first.x, first.y)[z]);
+            }
         }
     };
-    return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, leafCount()), VolumeSamples{},
-        [&](const tbb::blocked_range<std::size_t>& leaves, VolumeSamples samples) {
-            for (std::size_t leaf = leaves.begin(); leaf < leaves.end(); ++leaf)
-                add(leaf, samples);
-            return samples;
-        },
-        [](VolumeSamples first, const VolumeSamples& second) {
-            first.append(second);
-            return first;
-        });
+    constexpr std::size_t kLeaves = 256; // of a part
+    std::vector<VolumeSamples> parts((leafCount() + kLeaves - 1) / kLeaves);
+    tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t part) {
+        for (std::size_t leaf = part * kLeaves; leaf < std::min(leafCount(), (part + 1) * kLeaves); ++leaf)
+            add(leaf, parts[part]);
+    });
+    VolumeSamples all;
+    for (const VolumeSamples& part : parts)
+        all.append(part);
+    return all;
 }
 
 } // namespace vdblic

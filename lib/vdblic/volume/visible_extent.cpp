@@ -14,10 +14,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 namespace vdblic {
@@ -39,8 +39,6 @@ struct ExtinctionCell {
     }
 };
 
-constexpr int kLeafCells = LeafVoxel::kDim / ExtinctionCell::kDim; // along an axis
-
 /// The extinctions of a leaf's voxels, 0 where they are hidden.
 VDBLIC_KERNEL
 void leafExtinctions(const TextureVolume& volume, const Look& look, std::size_t leaf, float* extinctions)
@@ -50,32 +48,55 @@ void leafExtinctions(const TextureVolume& volume, const Look& look, std::size_t 
                    [&](int x, int y, Float8 row) { storeRow(row, extinctions, LeafVoxel::row(x, y)); });
 }
 
-/// @param first voxel of the cell in its leaf
-std::optional<ExtinctionCell> cellOf(const float* extinctions, const openvdb::Coord& first, const openvdb::Coord& leaf)
+/// The two cells of a leaf that lie along a row, each in half of the lanes. Their extinctions may be 0.
+/// @param extinctions of the leaf's voxels  @param first voxel of the row
+VDBLIC_KERNEL
+std::array<ExtinctionCell, 2> cellsAt(const float* extinctions, const openvdb::Coord& origin,
+                                      const openvdb::Coord& first)
 {
+    constexpr int kDim = ExtinctionCell::kDim, kRows = kDim * kDim;
+    constexpr unsigned kLanesOfCell = (1u << kDim) - 1;
     constexpr float kMost = 0.25f; // of the largest
-    const openvdb::Coord last = first.offsetBy(ExtinctionCell::kDim - 1);
-    ExtinctionCell cell{0, {{last[0], last[1], last[2]}, {first[0], first[1], first[2]}}};
-    float largest = 0;
-    for (auto voxel = openvdb::CoordBBox(first, last).begin(); voxel; ++voxel) {
-        const float extinction = extinctions[LeafVoxel::offset((*voxel)[0], (*voxel)[1], (*voxel)[2])];
-        cell.extinction += std::uint64_t(double(extinction) / ExtinctionCell::kUnit);
-        largest = std::max(largest, extinction);
+    static_assert(2 * kDim == kLanes && LeafVoxel::kDim == kLanes);
+    const auto rowAt = [&](int i) {
+        return loadRow(extinctions, LeafVoxel::row(first[0] + i / kDim, first[1] + i % kDim));
+    };
+    Int8 sums{}; // of a lane, at most 16 of extinctions below 14: opacity is never 1
+    Float8 largest{};
+    for (int i = 0; i < kRows; ++i) {
+        const Float8 row = rowAt(i);
+        sums += __builtin_convertvector(row * float(1 / ExtinctionCell::kUnit), Int8);
+        largest = row > largest ? row : largest;
     }
-    if (cell.extinction == 0) return std::nullopt;
-    for (auto voxel = openvdb::CoordBBox(first, last).begin(); voxel; ++voxel) {
-        if (extinctions[LeafVoxel::offset((*voxel)[0], (*voxel)[1], (*voxel)[2])] < kMost * largest) continue;
+    Float8 least;
+    for (int lane = 0; lane < kLanes; lane += kDim) {
+        const float most = std::max({largest[lane], largest[lane + 1], largest[lane + 2], largest[lane + 3]});
+        for (int z = 0; z < kDim; ++z)
+            least[lane + z] = kMost * most;
+    }
+    std::array<std::array<unsigned, kDim>, 2> lanes{}; // with most of the extinction, by steps along x and along y
+    for (int i = 0; i < kRows; ++i) {
+        const unsigned bits = bitsOf(rowAt(i) >= least);
+        lanes[0][std::size_t(i / kDim)] |= bits;
+        lanes[1][std::size_t(i % kDim)] |= bits;
+    }
+    std::array<ExtinctionCell, 2> cells{};
+    for (int z = 0; z < LeafVoxel::kDim; z += kDim) {
+        ExtinctionCell& cell = cells[std::size_t(z / kDim)];
+        unsigned bits[3]{}; // of steps along the axes
+        for (int i = 0; i < kDim; ++i) {
+            cell.extinction += unsigned(sums[z + i]);
+            bits[2] |= lanes[0][std::size_t(i)] >> z & kLanesOfCell;
+            for (std::size_t axis = 0; axis < 2; ++axis)
+                bits[axis] |= unsigned((lanes[axis][std::size_t(i)] >> z & kLanesOfCell) != 0) << i;
+        }
         for (int axis = 0; axis < 3; ++axis) {
-            int &low = cell.most.low[std::size_t(axis)], &high = cell.most.high[std::size_t(axis)];
-            low = std::min(low, (*voxel)[axis]);
-            high = std::max(high, (*voxel)[axis]);
+            const int start = origin[axis] + first[axis] + (axis == 2 ? z : 0);
+            cell.most.low[std::size_t(axis)] = start + std::countr_zero(bits[axis]);
+            cell.most.high[std::size_t(axis)] = start + std::bit_width(bits[axis]) - 1;
         }
     }
-    for (int axis = 0; axis < 3; ++axis) {
-        cell.most.low[std::size_t(axis)] += leaf[axis];
-        cell.most.high[std::size_t(axis)] += leaf[axis];
-    }
-    return cell;
+    return cells;
 }
 
 /// The cells of a rank's own leaves, in the order of the leaves. Hidden voxels and cells that are cut away do not
@@ -89,14 +110,14 @@ std::vector<ExtinctionCell> extinctionCells(const TextureVolume& volume, const L
         if (!volume.isOwn(leaf) || volume.shown(leaf).isOff() || !look.contributes(volume.leafRange(leaf))) return;
         alignas(32) float extinctions[LeafVoxel::kCount];
         leafExtinctions(volume, look, leaf, extinctions);
-        constexpr int kDim = ExtinctionCell::kDim;
-        for (auto cell = openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(kLeafCells - 1)).begin(); cell; ++cell) {
-            const openvdb::Coord first((*cell)[0] * kDim, (*cell)[1] * kDim, (*cell)[2] * kDim);
-            const std::optional<ExtinctionCell> found = cellOf(extinctions, first, volume.origin(leaf));
-            const auto isKept = [&] {
-                return planes.empty() || !isCutAway(found->most.corners(volume.indexToWorld()), planes);
-            };
-            if (found && isKept()) ofLeaves[leaf].push_back(*found);
+        for (int i = 0; i < 4; ++i) {
+            const openvdb::Coord first(i / 2 * ExtinctionCell::kDim, i % 2 * ExtinctionCell::kDim, 0);
+            for (const ExtinctionCell& cell : cellsAt(extinctions, volume.origin(leaf), first)) {
+                const auto isCut = [&] {
+                    return !planes.empty() && isCutAway(cell.most.corners(volume.indexToWorld()), planes);
+                };
+                if (cell.extinction > 0 && !isCut()) ofLeaves[leaf].push_back(cell);
+            }
         }
     });
     std::vector<ExtinctionCell> cells;
