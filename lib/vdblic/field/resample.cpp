@@ -69,7 +69,7 @@ class FinerLeaf {
     VDBLIC_KERNEL
     void interpolate(float* result) const
     {
-        const auto& [x, y, z] = mAxes;
+        const AxisPlaces &x = mAxes[0], &y = mAxes[1], &z = mAxes[2];
         for (int row = 0; row < LeafVoxel::kRows; ++row) {
             const LeafVoxel voxel = LeafVoxel::ofRow(row);
             const Row* coarse[4];
@@ -86,10 +86,13 @@ class FinerLeaf {
                     sums += weight * coarse[corner]->values[side][half];
                     weights += weight * coarse[corner]->coverage[side][half];
                 };
-                add(0, 0), add(0, 1), add(1, 0), add(1, 1), add(2, 0), add(2, 1), add(3, 0), add(3, 1);
+                for (int corner = 0; corner < 4; ++corner) {
+                    add(corner, 0);
+                    add(corner, 1);
+                }
                 const Double4 means = weights > 0 ? sums / weights : Double4{};
                 const auto four = __builtin_convertvector(means, Float4);
-                __builtin_memcpy(result + row * kDim + half * 4, &four, sizeof four);
+                __builtin_memcpy(result + std::ptrdiff_t(row) * kDim + half * std::ptrdiff_t(4), &four, sizeof four);
             }
         }
     }

@@ -200,6 +200,7 @@ std::vector<DepthPicture> depthPictures(const std::vector<ExtinctionCell>& cells
                                         const openvdb::Coord& dim, Exchange& exchange)
 {
     std::vector<DepthPicture> pictures;
+    pictures.reserve(kLineDirections.size());
     for (const auto& direction : kLineDirections)
         pictures.emplace_back(direction, dim);
     tbb::parallel_for(std::size_t(0), pictures.size(), [&](std::size_t i) {

@@ -1,7 +1,14 @@
+#include "vdblic/field/mix_bits.h"
 #include "vdblic/field/refinement.h"
 #include "vdblic/field/resample.h"
+#include "vdblic/field/trilinear.h"
 
 #include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
 
 namespace vdblic {
 namespace {
@@ -33,6 +40,39 @@ TEST(Resampled, IsExactForALinearGridInsideAndContinuesItAtTheRim)
     }
     EXPECT_NEAR(found->tree().getValue({17, 11, 23}), linear({5, 5, 5}), 1e-5); // the last corner alone
     EXPECT_EQ(found->tree().getValue({300, 0, 0}), 0);
+}
+
+TEST(Resampled, HasTheBitsOfTheInterpolationAtEachVoxel)
+{
+    const auto values = openvdb::FloatGrid::create(0);
+    for (auto voxel = openvdb::CoordBBox({-9, -3, -5}, {11, 9, 12}).begin(); voxel; ++voxel) {
+        const Coord& c = *voxel;
+        if (mixBits(std::uint64_t(c.hash())) % 4 > 0) values->tree().setValue(c, std::sin(float(c.hash() % 1000)));
+    }
+    values->tree().addTile(1, Coord(16, 0, 0), 0.7f, true);
+    const auto accessor = values->getConstAccessor();
+    for (const auto& factors : {std::array{1, 1, 1}, std::array{3, 2, 4}, std::array{1, 16, 5}}) {
+        const Refinement refinement{factors};
+        const auto like = openvdb::FloatGrid::create(0);
+        like->setTransform(refinement.refined(values->transform()));
+        like->setTree(std::make_shared<openvdb::FloatTree>(
+            *refinement.refined(openvdb::MaskTree(values->tree(), false, true, openvdb::TopologyCopy())), 0.0f,
+            openvdb::TopologyCopy()));
+        const auto found = resampled(*values, *like);
+        std::size_t visited = 0;
+        for (auto voxel = found->cbeginValueOn(); voxel; ++voxel, ++visited) {
+            Vec3d position;
+            for (int axis = 0; axis < 3; ++axis)
+                position[axis] = (voxel.getCoord()[axis] + 0.5) / factors[std::size_t(axis)] - 0.5;
+            ASSERT_EQ(*voxel, valueAt(accessor, position)) << voxel.getCoord() << " of " << factors[0];
+        }
+        EXPECT_EQ(visited, values->activeVoxelCount() * std::uint64_t(refinement.voxels()));
+        EXPECT_EQ(found->tree().getValue({-500, 0, 0}), 0);
+        for (auto leaf = found->tree().cbeginLeaf(); leaf; ++leaf) {
+            for (auto voxel = leaf->cbeginValueOff(); voxel; ++voxel)
+                ASSERT_EQ(*voxel, 0) << voxel.getCoord();
+        }
+    }
 }
 
 TEST(Resampled, LeavesOutLeavesWithoutValuesAndExpandsTiles)
