@@ -13,8 +13,9 @@ from viewer_page import BrowserTest
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 
-# Remembers the drawings' contexts, and what is asked for.
+# Remembers the drawings' contexts, and what is asked for. No picture takes time, so none is coarse.
 SPY = """
+    performance.now = () => 0;
     window.contexts = [];
     const contextOf = HTMLCanvasElement.prototype.getContext;
     HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
@@ -29,10 +30,9 @@ SPY = """
         return send(path, options);
     };
 """
-# Drags the picture, as fine as it is without haste, and looks at it while the hand moves.
+# Drags the picture, and looks at it while the hand moves.
 DRAG = """
-    const [x, y, done] = arguments, canvas = document.getElementById("picture"), { now } = performance;
-    performance.now = () => 0;
+    const [x, y, done] = arguments, canvas = document.getElementById("picture");
     canvas.setPointerCapture = () => {};
     const send = (type, x, y) => canvas.dispatchEvent(
         new PointerEvent(type, {pointerId: 1, clientX: 200 + x, clientY: 200 + y, button: 0, bubbles: true}));
@@ -41,7 +41,6 @@ DRAG = """
     const look = () => {
         const { textContent } = document.getElementById("progress");
         if (!textContent.includes("pictures/s")) return setTimeout(look, 5);
-        performance.now = now;
         done([canvas.toDataURL(), textContent]);
         send("pointerup", x, y);
     };
@@ -164,6 +163,7 @@ class Drawing(Lines):
 
     def test_playing(self):
         self.open("--samples", 1)
+        self.browser.execute_script("delete performance.now")  # the clock goes again
         shown = lambda: self.element("picture").get_attribute("data-frame")
         seen = set()
 
@@ -191,16 +191,21 @@ class Drawing(Lines):
         self.wait_until(self.moving, "drawn here")
         self.wait_for_refined()
 
+    def change_context(self, act):
+        """Lose or restore the drawings' context, and wait until it is so."""
+        self.browser.execute_async_script("""
+            const [act, done] = arguments;
+            contexts[0].canvas.addEventListener(act === "lose" ? "webglcontextlost" : "webglcontextrestored", () => done(), { once: true });
+            window.ends ??= contexts[0].getExtension("WEBGL_lose_context");
+            ends[`${act}Context`]();""", act)
+
     def test_a_lost_context(self):
         self.open("--samples", 1)
-        self.browser.execute_script("""
-            window.lose = contexts[0].getExtension("WEBGL_lose_context");
-            lose.loseContext();
-            return new Promise((done) => setTimeout(done, 100))""")
+        self.change_context("lose")
         self.drag(30, 0)
         asked = len(self.moving())
         self.assertGreater(asked, 0)
-        self.browser.execute_script("lose.restoreContext(); return new Promise((done) => setTimeout(done, 300))")
+        self.change_context("restore")
         drawn, settled, _ = self.drag(30, 0)
         self.assert_same_places(drawn, settled)
         self.assertEqual(len(self.moving()), asked)
