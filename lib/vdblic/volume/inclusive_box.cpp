@@ -53,7 +53,7 @@ class BoxFaces {
     [[nodiscard]] std::vector<std::size_t> farthest(const glm::dvec3& direction) const;
 
   private:
-    static constexpr std::size_t kGroup = 8 * kLanes;
+    static constexpr std::size_t kGroup = 8 * std::size_t(kLanes);
 
     std::vector<float> mFaces[3][2]; // by axis; the low and the high ones
 };
