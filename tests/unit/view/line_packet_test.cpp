@@ -46,7 +46,7 @@ struct Unpacked {
             values.resize(told.at(count).get<std::size_t>());
             const std::size_t size = values.size() * sizeof(values[0]);
             ASSERT_LE(at + size, bytes.size());
-            std::memcpy(values.data(), bytes.data() + at, size);
+            std::copy_n(bytes.data() + at, size, reinterpret_cast<char*>(values.data()));
             at += size;
         };
         take(driver, "points");
