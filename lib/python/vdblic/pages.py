@@ -87,7 +87,7 @@ def page(
     @param paths  finished  @param frames  in order  @param shown  a frame for the still  @param most  bytes of the page
     @param solid  its name for Renderer, points (n, 3) in world space, triangles (m, 3)
     """
-    told = {"title": title, "frames": frames, "tail": paths.tail, "steps": _STEPS}
+    told: dict[str, Any] = {"title": title, "frames": frames, "tail": paths.tail, "steps": _STEPS}
     told |= {key: str(metadata[key]) for key in ("start", "length_unit") if key in metadata}
     told |= {key: float(metadata[key]) for key in ("time", "dt") if _is_number(metadata.get(key))}
     low, high = paths.points.min(axis=0), paths.points.max(axis=0)
