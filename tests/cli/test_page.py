@@ -348,6 +348,19 @@ class Pages(ToolTest):
         self.assertFalse(plain.find_element(By.ID, "message").is_displayed())
         self.shows_a_still(plain)
 
+    def test_a_shader_that_the_browser_refuses(self):
+        page = self.export()
+        plain = browser("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+        self.addCleanup(plain.quit)
+        plain.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": """
+            const { shaderSource } = WebGL2RenderingContext.prototype;
+            WebGL2RenderingContext.prototype.shaderSource = function (shader, text) {
+                shaderSource.call(this, shader, text.replace("isShort", "is short"));
+            };"""})
+        plain.get(page.as_uri())
+        self.wait_until(lambda: "cannot draw" in plain.find_element(By.ID, "message").text, "not told")
+        self.shows_a_still(plain)
+
     def test_a_middle_frame_without_q(self):
         """The still is of the middle frame, which may have fewer scalars than others."""
         self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "plain.%04d.vdb", "--method", "streaks", "--draw", "lines")

@@ -77,7 +77,7 @@ void appendLines(std::string& bytes, const std::vector<Run>& runs, const Tell& t
     append(bytes, values);
 }
 
-/// Scalars, where one is missing the one of the next point.
+/// A column of a scalar. A missing value is that of the next point, else of the one before.
 void appendScalars(std::string& bytes, const std::vector<Run>& runs, const std::vector<float>& values)
 {
     appendPoints<float>(bytes, runs, [&](const Run& run, std::uint32_t i) {

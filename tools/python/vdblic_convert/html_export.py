@@ -65,7 +65,7 @@ def _solid(source, found, console):
     points, triangles, changes = solid_mesh(source, path, frame)
     if not len(triangles):
         raise InputError(f"{path}: `solid` {printable(source)} has no surface; leave it out, or choose another")
-    if source == "domain":  # of two other frames, for it takes long
+    if source == "domain":  # compared with two other frames only: the solid of a domain takes long to make
         others = [solid_mesh(source, path, frame)[0] for frame, path in {*others[len(others) // 2 :][:1], *others[-1:]}]
         changes = any(other.shape != points.shape or (other != points).any() for other in others)
     if changes:

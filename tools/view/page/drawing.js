@@ -79,7 +79,7 @@ class Drawing {
         this.drawnPart = part;
         try {
             this.show(lines, state);
-            this.scene.draw({ ...this.picked(state, lines), part });
+            this.scene.draw({ ...this.sceneState(state, lines), part });
             await this.scene.finish();
         } catch (error) {
             console.warn(error);
@@ -121,7 +121,7 @@ class Drawing {
     }
 
     /// The state as the scene takes it.
-    picked(state, { flow }) {
+    sceneState(state, { flow }) {
         const { scene, camera, transfer } = this.look(),
             named = !state.colors && this.sequence.colorMaps.find(({ name }) => name === state.colormap),
             colors = named ? named.colors.map((color, i) => [i / (named.colors.length - 1), color]) : transfer.colors,

@@ -45,6 +45,7 @@ export class Scene {
 
     /// Upload all values; again after begin(). @param data as unpacked() gives it; `ids` of lines, if there, choose parts
     fill(flow, data) {
+        this.checkShaders();
         this.place(flow);
         if (this.data !== data) this.pieces = pieces(data.lines[0], data.points[3]);
         this.data = data;
@@ -87,6 +88,14 @@ export class Scene {
         gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, order, gl.STATIC_DRAW);
         gl.bindVertexArray(null);
         return { vertices, count: order.length };
+    }
+
+    /// Tell what a browser refuses; not sooner, because it waits for the compiler.
+    checkShaders() {
+        const { gl } = this;
+        for (const { program } of [this.lines, this.box, this.surface, this.plane])
+            if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
+                throw new Error(`This browser cannot draw the flow. This is a still. (${gl.getProgramInfoLog(program)})`);
     }
 
     program(name) {
