@@ -43,21 +43,6 @@ VDBLIC_INLINE Float8 clamped(Float8 x)
     return positive(x < 1 ? x : broadcast8(1));
 }
 
-/// A bit for each negative lane; a true comparison is negative.
-VDBLIC_INLINE unsigned laneBits(Int8 x)
-{
-#ifdef __SSE__
-    const auto low = __builtin_bit_cast(Float4, __builtin_shufflevector(x, x, 0, 1, 2, 3));
-    const auto high = __builtin_bit_cast(Float4, __builtin_shufflevector(x, x, 4, 5, 6, 7));
-    return unsigned(__builtin_ia32_movmskps(low)) | unsigned(__builtin_ia32_movmskps(high)) << 4;
-#else
-    unsigned bits = 0;
-    for (int lane = 0; lane < kLanes; ++lane)
-        bits |= unsigned(x[lane] < 0) << lane;
-    return bits;
-#endif
-}
-
 /// The lanes of a vector in another order. @param order number of the lane that each lane receives
 VDBLIC_INLINE Int8 permuted(Int8 x, Int8 order)
 {

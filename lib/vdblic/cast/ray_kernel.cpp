@@ -61,6 +61,7 @@ struct alignas(32) RayKernel::Sample {
     Int8 distant;    // distance of the cell from the nearest visible cell
     Unsigned8 leaf;  // number
     Float8 texture;
+    CornerTextures corners; // unless interpolation is cubic
 };
 
 RayKernel::RayKernel(const TextureVolume& volume, const Look& look, const RayCastParams& params,
@@ -236,7 +237,9 @@ VDBLIC_INLINE void RayKernel::interpolate(Sample& result) const
     if (mIsCubic) {
         interpolateCubic(result);
     } else {
-        result.texture = mTexture.at(result.leaf, Cells(result.place));
+        const Cells cells(result.place);
+        result.corners = mTexture.corners(result.leaf, cells);
+        result.texture = result.corners.at(cells.fraction);
     }
 }
 
@@ -266,7 +269,12 @@ VDBLIC_KERNEL
 void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& result) const
 {
     Float8 slopes[3];
-    mTexture.slopes(sample.leaf, Cells(sample.place), slopes);
+    const Cells cells(sample.place);
+    if (mIsCubic) {
+        mTexture.corners(sample.leaf, cells).slopes(cells.fraction, slopes);
+    } else {
+        sample.corners.slopes(cells.fraction, slopes);
+    }
     const glm::mat3& toWorld = mVolume.gradientToWorld();
     Float8 square{}, along{};
     for (int axis = 0; axis < 3; ++axis) {
@@ -284,19 +292,19 @@ void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& res
 /// The texture changes evenly between two samples; everything else has its value in the middle, or half a voxel before
 /// the later sample where steps are longer than a voxel. A ray's first and last sample stand for the parts before and
 /// behind them, too.
-VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, unsigned which, const Sample& sample, ShadeQueue& queue) const
+VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, Int8 which, const Sample& sample, ShadeQueue& queue) const
 {
     // Of these lanes alone: a picture must not depend on a ray's neighbours.
-    lanes.spent = maskOf(which) ? lanes.transmittance < mLeastTransmittance : lanes.spent;
+    lanes.spent = which ? lanes.transmittance < mLeastTransmittance : lanes.spent;
     // Empty space has at most the largest texture without opacity.
     const Int8 isEmpty = sample.distant > 0;
     const Float8 stretched = isEmpty ? broadcast8(mHidden) : mLook.texture.stretched(sample.texture);
     const Float8 before = lanes.before < 0 ? stretched : lanes.before;
-    lanes.before = maskOf(which) ? stretched : lanes.before;
+    lanes.before = which ? stretched : lanes.before;
     const Float8 density = mLook.texture.meanDensity(before, stretched), texture = (before + stretched) * 0.5f;
     Float8 halo{};
     if (mLook.halo.strength > 0) halo = mLook.halo.density(mLook.texture, texture);
-    if (!anyOf((density + halo > 0) & maskOf(which))) return;
+    if (!anyOf((density + halo > 0) & which)) return;
 
     const Float8 previous = sample.index > 0 ? middleOf(sample.index - 1, lanes.shift, lanes.span) : Float8{};
     const Float8 end = sample.index < lanes.last ? sample.distance : lanes.span;
@@ -310,9 +318,9 @@ VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, unsigned which, const Sample&
     for (int lane = 0; lane < kLanes; ++lane)
         power[lane] = mPowers[unsigned(entries[lane])];
     const Int8 hasRecords = VisibleSpace::flagged(sample.entry, VisibleSpace::kNothingBit) >= 0;
-    power = maskOf(which) & hasRecords ? power : Float8{};
+    power = which & hasRecords ? power : Float8{};
     const Int8 partly = VisibleSpace::flagged(sample.entry, VisibleSpace::kPartlyBit) & hasRecords;
-    if (const unsigned doubtful = laneBits(partly) & which) {
+    if (const unsigned doubtful = laneBits(partly & which)) {
         power = maskOf(findHidden(doubtful, sample)) ? Float8{} : power;
     }
     if (anyOf((halo > 0) & (power < 0))) {
@@ -375,9 +383,10 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
             if (__builtin_popcount(seen) < kEnoughLanes) continue;
         }
         interpolate(sample);
-        absorb(lanes, seen, sample, queue);
-        lanes.sample -= maskOf(seen);
-        lanes.taken -= maskOf(seen);
+        const Int8 isSeen = maskOf(seen);
+        absorb(lanes, isSeen, sample, queue);
+        lanes.sample -= isSeen;
+        lanes.taken -= isSeen;
         if (queue.isFull()) {
             for (; queue.hasEight(); queue.pop())
                 mShader.shade(queue, tasks, sums);

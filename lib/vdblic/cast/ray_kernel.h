@@ -39,7 +39,7 @@ class RayKernel {
     unsigned leaving(const Lanes& lanes, const Sample& sample) const;
     void skip(Lanes& lanes, const Sample& sample, unsigned which) const;
     void interpolate(Sample& result) const;
-    void absorb(Lanes& lanes, unsigned which, const Sample& sample, ShadeQueue& queue) const;
+    void absorb(Lanes& lanes, Int8 which, const Sample& sample, ShadeQueue& queue) const;
     // Rarely needed. Inlined, they would take registers from the loop.
     [[gnu::noinline]] void advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes,
                                    Sample& sample, RaySum* sums) const;

@@ -113,13 +113,19 @@ VDBLIC_INLINE Int8 maskOf(unsigned lanes)
     return (broadcastInt8(int(lanes)) & Int8{1, 2, 4, 8, 16, 32, 64, 128}) != 0;
 }
 
-/// The bits of the lanes in which a comparison's result is true.
-VDBLIC_INLINE unsigned bitsOf(Int8 mask)
+/// A bit for each negative lane; a true comparison is negative.
+VDBLIC_INLINE unsigned laneBits(Int8 x)
 {
-    const Int8 bits = mask & Int8{1, 2, 4, 8, 16, 32, 64, 128};
-    const Int4 halves =
-        __builtin_shufflevector(bits, bits, 0, 1, 2, 3) | __builtin_shufflevector(bits, bits, 4, 5, 6, 7);
-    return unsigned(halves[0] | halves[1] | halves[2] | halves[3]);
+#ifdef __SSE__
+    const auto low = __builtin_bit_cast(Float4, __builtin_shufflevector(x, x, 0, 1, 2, 3));
+    const auto high = __builtin_bit_cast(Float4, __builtin_shufflevector(x, x, 4, 5, 6, 7));
+    return unsigned(__builtin_ia32_movmskps(low)) | unsigned(__builtin_ia32_movmskps(high)) << 4;
+#else
+    unsigned bits = 0;
+    for (int lane = 0; lane < kLanes; ++lane)
+        bits |= unsigned(x[lane] < 0) << lane;
+    return bits;
+#endif
 }
 
 VDBLIC_INLINE Float8 squareRoots(Float8 x)

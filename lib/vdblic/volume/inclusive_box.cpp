@@ -87,7 +87,7 @@ std::vector<std::size_t> BoxFaces::farthest(const glm::dvec3& direction) const
     for (std::size_t group = 0; group < most.size(); ++group) {
         if (most[group] < farthest) continue;
         for (std::size_t first = group * kGroup; first < (group + 1) * kGroup; first += kLanes) {
-            for (unsigned left = bitsOf(reach(first) == farthest); left != 0; left &= left - 1)
+            for (unsigned left = laneBits(reach(first) == farthest); left != 0; left &= left - 1)
                 found.push_back(first + std::size_t(std::countr_zero(left)));
         }
     }

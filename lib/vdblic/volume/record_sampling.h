@@ -47,32 +47,44 @@ struct ZPair {
     [[nodiscard]] VDBLIC_INLINE Float8 step() const { return second - first; }
 };
 
+/// Eight bytes of each lane, parted into halves. @param at where they are, in units of a number
+template<typename Half, typename Number>
+VDBLIC_INLINE void loadHalves(const Number* numbers, const std::uint32_t (&at)[kLanes], Half& first, Half& second)
+{
+    const auto four = [&](int a, int b, int c, int d) {
+        std::uint64_t words[4];
+        const int lanes[] = {a, b, c, d};
+        for (int i = 0; i < 4; ++i)
+            std::memcpy(&words[i], numbers + at[lanes[i]], sizeof words[i]);
+        return __builtin_bit_cast(Half, UnsignedLong4{words[0], words[1], words[2], words[3]});
+    };
+    // In this order, two shuffles within the halves of a register part them.
+    const Half low = four(0, 1, 4, 5), high = four(2, 3, 6, 7);
+    first = __builtin_shufflevector(low, high, 0, 2, 8, 10, 4, 6, 12, 14);
+    second = __builtin_shufflevector(low, high, 1, 3, 9, 11, 5, 7, 13, 15);
+}
 /// @param at where the first number of each lane is, in units of its size
-VDBLIC_INLINE ZPair loadPair(const TextureRecord* records, const std::uint32_t (&at)[kLanes], int offset)
+VDBLIC_INLINE ZPair loadPair(const float* numbers, const std::uint32_t (&at)[kLanes])
+{
+    ZPair pair;
+    loadHalves(numbers, at, pair.first, pair.second);
+    return pair;
+}
+/// Two records that are neighbours along z, for each of eight lanes; the first one in the lower half of its word.
+VDBLIC_INLINE Unsigned8 loadWords(const TextureRecord* records, const std::uint32_t (&at)[kLanes])
 {
     Unsigned8 words;
     for (int lane = 0; lane < kLanes; ++lane) {
         std::uint32_t word;
-        std::memcpy(&word, records + at[lane] + offset, sizeof word);
+        std::memcpy(&word, records + at[lane], sizeof word);
         words[lane] = word;
     }
+    return words;
+}
+VDBLIC_INLINE ZPair asPair(Unsigned8 words)
+{
     return {__builtin_convertvector(Int8(words & 0xffff), Float8), __builtin_convertvector(Int8(words >> 16), Float8)};
 }
-VDBLIC_INLINE ZPair loadPair(const float* numbers, const std::uint32_t (&at)[kLanes], int offset)
-{
-    Float8 halves[2];
-    for (int half = 0; half < 2; ++half) {
-        Float2 pairs[4];
-        for (int lane = 0; lane < 4; ++lane)
-            std::memcpy(&pairs[lane], numbers + at[4 * half + lane] + offset, sizeof pairs[lane]);
-        const Float4 low = __builtin_shufflevector(pairs[0], pairs[1], 0, 1, 2, 3);
-        const Float4 high = __builtin_shufflevector(pairs[2], pairs[3], 0, 1, 2, 3);
-        halves[half] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
-    }
-    return {__builtin_shufflevector(halves[0], halves[1], 0, 2, 4, 6, 8, 10, 12, 14),
-            __builtin_shufflevector(halves[0], halves[1], 1, 3, 5, 7, 9, 11, 13, 15)};
-}
-
 /// Four records from each of two places.
 VDBLIC_INLINE Float8 loadFours(const TextureRecord* first, const TextureRecord* second)
 {
@@ -96,31 +108,65 @@ VDBLIC_INLINE void cubicWeights(Float8 u, Float8* weights)
     weights[3] = -0.5f * v * u * u;
 }
 
+/// Bilinear interpolation between numbers at 00, 01, 10 and 11 along x and y.
+VDBLIC_INLINE Float8 interpolate(const Float8 (&corners)[4], const Float8* fraction)
+{
+    return mix(mix(corners[0], corners[1], fraction[1]), mix(corners[2], corners[3], fraction[1]), fraction[0]);
+}
 /// Trilinear interpolation in eight cells. @param y, x distances of neighbours in memory
-template<typename Number>
-VDBLIC_INLINE Float8 interpolate(const Number* numbers, Unsigned8 low, int y, int x, const Float8* fraction)
+VDBLIC_INLINE Float8 interpolate(const float* numbers, Unsigned8 low, int y, int x, const Float8* fraction)
 {
     std::uint32_t at[kLanes];
     storeLanes(low, at);
-    const auto edge = [&](int offset) { return loadPair(numbers, at, offset).mixed(fraction[2]); };
-    return mix(mix(edge(0), edge(y), fraction[1]), mix(edge(x), edge(x + y), fraction[1]), fraction[0]);
+    const auto edge = [&](int offset) { return loadPair(numbers + offset, at).mixed(fraction[2]); };
+    return interpolate({edge(0), edge(y), edge(x), edge(x + y)}, fraction);
 }
+
+/// The textures at the corners of eight cells.
+struct CornerTextures {
+    Unsigned8 words[4]; ///< of records at the edges along z, as interpolate() has them
+    ZPair scale;        ///< TextureScale
+
+    /// Trilinear. @param fraction positions in the cells
+    [[nodiscard]] VDBLIC_INLINE Float8 at(const Float8* fraction) const
+    {
+        const auto edge = [&](int i) { return asPair(words[i]).mixed(fraction[2]); };
+        return scale.first + interpolate({edge(0), edge(1), edge(2), edge(3)}, fraction) * scale.second;
+    }
+    /// Derivatives of at() along the axes, in index space.
+    VDBLIC_INLINE void slopes(const Float8* fraction, Float8* result) const
+    {
+        const Float8 u = fraction[0], v = fraction[1], w = fraction[2];
+        const ZPair edges[] = {asPair(words[0]), asPair(words[1]), asPair(words[2]), asPair(words[3])};
+        const Float8 ends[] = {edges[0].mixed(w), edges[1].mixed(w), edges[2].mixed(w), edges[3].mixed(w)};
+        const Float8 rises[] = {edges[0].step(), edges[1].step(), edges[2].step(), edges[3].step()};
+        result[0] = mix(ends[2] - ends[0], ends[3] - ends[1], v) * scale.second;
+        result[1] = mix(ends[1] - ends[0], ends[3] - ends[2], u) * scale.second;
+        result[2] = interpolate(rises, fraction) * scale.second;
+    }
+};
 
 /// The textures of a volume at eight samples at once. Does not own the records.
 class TextureSampler {
   public:
     TextureSampler(const TextureRecord* records, const TextureScale* scales) : mRecords(records), mScales(scales) {}
 
-    /// Trilinear. @param leaf numbers of the leaves  @param cells relative to their origins
+    /// @param leaf numbers of the leaves  @param cells relative to their origins
+    [[nodiscard]] VDBLIC_INLINE CornerTextures corners(Unsigned8 leaf, const Cells& cells) const
+    {
+        std::uint32_t at[kLanes];
+        storeLanes(first(leaf, cells), at);
+        const auto words = [&](int offset) { return loadWords(mRecords + offset, at); };
+        constexpr int kY = TextureLeaf::kY, kX = TextureLeaf::kX;
+        return {{words(0), words(kY), words(kX), words(kX + kY)}, scales(leaf)};
+    }
+    /// Trilinear. @param leaf, cells as of corners()
     [[nodiscard]] VDBLIC_INLINE Float8 at(Unsigned8 leaf, const Cells& cells) const
     {
-        const Float8 share =
-            interpolate(mRecords, first(leaf, cells), TextureLeaf::kY, TextureLeaf::kX, cells.fraction);
-        const ZPair scale = scales(leaf);
-        return scale.first + share * scale.second;
+        return corners(leaf, cells).at(cells.fraction);
     }
 
-    /// By cubic convolution, within the range of the leaf's records. @param leaf, cells as of at()
+    /// By cubic convolution, within the range of the leaf's records. @param leaf, cells as of corners()
     [[nodiscard]] VDBLIC_INLINE Float8 cubicAt(Unsigned8 leaf, const Cells& cells) const
     {
         constexpr int kTaps = 4;
@@ -161,22 +207,6 @@ class TextureSampler {
         return scale.first + share * scale.second;
     }
 
-    /// Derivatives of at() along the axes, in index space.
-    VDBLIC_INLINE void slopes(Unsigned8 leaf, const Cells& cells, Float8* result) const
-    {
-        constexpr int kY = TextureLeaf::kY, kX = TextureLeaf::kX;
-        std::uint32_t at[kLanes];
-        storeLanes(first(leaf, cells), at);
-        const auto& [u, v, w] = cells.fraction;
-        const ZPair edges[] = {loadPair(mRecords, at, 0), loadPair(mRecords, at, kY), loadPair(mRecords, at, kX),
-                               loadPair(mRecords, at, kX + kY)};
-        const Float8 ends[] = {edges[0].mixed(w), edges[1].mixed(w), edges[2].mixed(w), edges[3].mixed(w)};
-        const Float8 unit = scales(leaf).second;
-        result[0] = mix(ends[2] - ends[0], ends[3] - ends[1], v) * unit;
-        result[1] = mix(ends[1] - ends[0], ends[3] - ends[2], u) * unit;
-        result[2] = mix(mix(edges[0].step(), edges[1].step(), v), mix(edges[2].step(), edges[3].step(), v), u) * unit;
-    }
-
     /// Central differences at the cells' corners, interpolated: gradients that do not jump, in index space.
     VDBLIC_INLINE void gradients(Unsigned8 leaf, const Cells& cells, Float8* result) const
     {
@@ -184,11 +214,13 @@ class TextureSampler {
         std::uint32_t at[kLanes];
         storeLanes(first(leaf, cells), at);
         const Float8 u = cells.fraction[0], v = cells.fraction[1], w = cells.fraction[2];
-        const auto end = [&](int offset) { return loadPair(mRecords, at, offset).mixed(w); };
+        const auto end = [&](int offset) { return asPair(loadWords(mRecords + offset, at)).mixed(w); };
         Float8 inner[4], along[4]; // values and twice their derivatives along z, at the four corners across
         for (int i = 0; i < 4; ++i) {
             const int offset = (i >> 1) * kX + (i & 1) * kY;
-            const ZPair before = loadPair(mRecords, at, offset - 1), after = loadPair(mRecords, at, offset + 1);
+            Unsigned8 words[2];
+            loadHalves(mRecords + offset - 1, at, words[0], words[1]);
+            const ZPair before = asPair(words[0]), after = asPair(words[1]);
             inner[i] = mix(before.second, after.first, w);
             along[i] = mix(after.first - before.first, after.second - before.second, w);
         }
@@ -210,7 +242,7 @@ class TextureSampler {
     {
         std::uint32_t at[kLanes];
         storeLanes(leaf * 2, at);
-        return loadPair(&mScales->low, at, 0);
+        return loadPair(&mScales->low, at);
     }
 
     const TextureRecord* mRecords;

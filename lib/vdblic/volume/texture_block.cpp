@@ -88,15 +88,11 @@ VDBLIC_INLINE Int8 halfMask(unsigned bits, int half)
     return maskOf(bits >> (half * kLanes) & 0xff);
 }
 
-/// The bits of the finite numbers in a row.
-VDBLIC_INLINE unsigned finiteOf(const float* row)
+/// The lanes of half a row whose numbers are not finite.
+VDBLIC_INLINE Int8 notFinite(const float* row, int half)
 {
     constexpr int kExponent = 0x7f800000;
-    Int8 isOther[2];
-    for (int half = 0; half < 2; ++half)
-        isOther[half] = (__builtin_bit_cast(Int8, loadHalf(row, half)) & kExponent) == kExponent;
-    if (!anyOf(isOther[0] | isOther[1])) return ~0u;
-    return ~(bitsOf(isOther[0]) | bitsOf(isOther[1]) << kLanes);
+    return (__builtin_bit_cast(Int8, loadHalf(row, half)) & kExponent) == kExponent;
 }
 
 /// The least and the largest of numbers.
@@ -161,17 +157,19 @@ void TextureBlock::copyRim(const openvdb::FloatTree& texture, const openvdb::Flo
 VDBLIC_KERNEL
 void TextureBlock::removeNotFinite(int rim)
 {
+    for (const float* const values : {mTexture, mDriver}) {
+        if (values == mDriver && !mHasDriver) continue;
+        const auto others = [&](int row, int half) { return notFinite(values + row * std::ptrdiff_t(kDim), half); };
+        Int8 any{};
+        forRows(rim, [&](int, int, int row) { any |= others(row, 0) | others(row, 1); });
+        if (!anyOf(any)) continue;
+        forRows(rim, [&](int, int, int row) {
+            mActive[row] &= RowBits(~(laneBits(others(row, 0)) | laneBits(others(row, 1)) << kLanes));
+        });
+    }
     constexpr unsigned kNeeded = bitsWithin(TextureLeaf::kRim);
     mWhole = true;
-    forRows(rim, [&](int x, int y, int row) {
-        unsigned active = mActive[row];
-        if (active != 0) active &= finiteOf(mTexture + row * std::ptrdiff_t(kDim));
-        if (active != 0 && mHasDriver) active &= finiteOf(mDriver + row * std::ptrdiff_t(kDim));
-        mActive[row] = RowBits(active);
-        constexpr int kEnd = LeafVoxel::kDim + TextureLeaf::kRim;
-        const bool isNeeded = std::min(x, y) >= -TextureLeaf::kRim && std::max(x, y) < kEnd;
-        mWhole = mWhole && (!isNeeded || (active & kNeeded) == kNeeded);
-    });
+    forRows(TextureLeaf::kRim, [&](int, int, int row) { mWhole = mWhole && (mActive[row] & kNeeded) == kNeeded; });
 }
 
 void TextureBlock::copy(const openvdb::FloatTree& texture, const openvdb::FloatTree* driver,
@@ -251,12 +249,12 @@ void TextureBlock::extendBy(int rim)
     RowBits known[kRows];
     std::copy_n(mKnown, kRows, known);
     forRows(rim, [&](int, int, int row) {
+        const unsigned missing = ~unsigned(mKnown[row]) & bitsWithin(rim);
+        if (missing == 0) return;
         unsigned around = 0; // voxels with a neighbour that has a value
         for (const int dx : {-kDim, 0, kDim})
             around |= unsigned(mKnown[row + dx - 1] | mKnown[row + dx] | mKnown[row + dx + 1]);
         around |= around << 1 | around >> 1;
-        const unsigned missing = ~unsigned(mKnown[row]) & bitsWithin(rim);
-        if (missing == 0) return;
         for (int half = 0; half < 2; ++half) {
             const Int8 isMissing = halfMask(missing, half);
             for (float* const values : {mTexture, mDriver}) {

@@ -76,7 +76,7 @@ std::array<ExtinctionCell, 2> cellsAt(const float* extinctions, const openvdb::C
     }
     std::array<std::array<unsigned, kDim>, 2> lanes{}; // with most of the extinction, by steps along x and along y
     for (int i = 0; i < kRows; ++i) {
-        const unsigned bits = bitsOf(rowAt(i) >= least);
+        const unsigned bits = laneBits(rowAt(i) >= least);
         lanes[0][std::size_t(i / kDim)] |= bits;
         lanes[1][std::size_t(i % kDim)] |= bits;
     }

@@ -114,7 +114,7 @@ void cellsByTexture(const TextureVolume& volume, const Look& look, std::size_t l
             for (const int from : {0, ScalarLeaf::kDim - kLanes}) { // twice eight of ten
                 Short8 eight;
                 std::memcpy(&eight, row + from, sizeof eight);
-                bits |= bitsOf(__builtin_convertvector(eight, Int8) >= first) << from;
+                bits |= laneBits(__builtin_convertvector(eight, Int8) >= first) << from;
             }
             corners[x][y] = std::uint16_t(bits | bits >> 1);
         }

@@ -106,7 +106,7 @@ struct FeedForward {
             const Vector8 before = centre - displacement;
             const Int8 stayed = inside.holdsCell(floorToInt(before.x), floorToInt(before.y), floorToInt(before.z));
             const Int8 mayEnter = maskOf(lanes) & ~stayed;
-            if (anyOf(mayEnter)) renewEntering(window, centre, before, bitsOf(mayEnter), value);
+            if (anyOf(mayEnter)) renewEntering(window, centre, before, laneBits(mayEnter), value);
             Int8 others;
             __builtin_memcpy(&others, values, sizeof others);
             value = maskOf(lanes) ? value : others;

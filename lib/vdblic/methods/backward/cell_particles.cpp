@@ -85,7 +85,7 @@ struct Move {
             if (anyOf(misses)) {
                 const LeafVoxel first = LeafVoxel::ofRow(row);
                 nearest.from = select(misses, nearest.from - voxelsOf(nearest.from), nearest.from);
-                renew(origin + openvdb::Coord(first.x, first.y, 0), position, bitsOf(misses), nearest.value);
+                renew(origin + openvdb::Coord(first.x, first.y, 0), position, laneBits(misses), nearest.value);
             }
             const Float8 value = nearest.value;
             const Int8 offset = packed(nearest.from);

@@ -55,7 +55,7 @@ class WayBack {
             const float tolerance = 1.5f * mWay.mParams.tolerance;
             constexpr float kLongest2 = pathline::kMaxStride * pathline::kMaxStride;
             const Int8 isSmooth = (turned2 * turned2 <= slope2 * (tolerance * tolerance)) & (slope2 <= kLongest2);
-            const unsigned rough = bitsOf(~isSmooth) & lanes;
+            const unsigned rough = laneBits(~isSmooth) & lanes;
             if (__builtin_expect(rough != 0, 0)) follow(result, rough);
             return result;
         }

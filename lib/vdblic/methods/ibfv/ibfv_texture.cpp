@@ -160,7 +160,7 @@ struct Blend {
             Float8 before = numbers[0];
             if (__builtin_expect(anyOf(comes), 0)) {
                 before = coverage > 0 ? before : Float8{};
-                addEntering(shares, now, path.before, chord, places, coverage, bitsOf(comes), before);
+                addEntering(shares, now, path.before, chord, places, coverage, laneBits(comes), before);
             } else {
                 before /= coverage;
             }
@@ -201,8 +201,8 @@ struct Blend {
             const Float8 part = apart * float(place); // of the step; the path is a parabola
             const Vector8 at = path.centre + path.slope * part + (chord - path.slope) * (part * part);
             Float8 numbers[4];
-            sample(window, at, bitsOf(taken), numbers);
-            const unsigned outside = withoutBrick(window, at, bitsOf(taken));
+            sample(window, at, laneBits(taken), numbers);
+            const unsigned outside = withoutBrick(window, at, laneBits(taken));
             if (__builtin_expect(outside != 0, 0)) noiseOutside(now, at, outside, numbers[2]);
             brought += taken ? weight * numbers[2] : Float8{};
         }

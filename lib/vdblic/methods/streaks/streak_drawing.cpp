@@ -285,7 +285,7 @@ VDBLIC_KERNEL Voxels drawnVoxels(const float* values)
     Voxels drawn;
     for (int row = 0; row < LeafVoxel::kRows; ++row)
         drawn.getWord<std::uint8_t>(openvdb::Index(row)) =
-            std::uint8_t(bitsOf(loadRow(values, row) >= kLeastStreakValue));
+            std::uint8_t(laneBits(loadRow(values, row) >= kLeastStreakValue));
     return drawn;
 }
 
