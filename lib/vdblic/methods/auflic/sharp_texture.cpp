@@ -31,14 +31,14 @@ VDBLIC_KERNEL void fillBrick(const Domain& domain, const std::vector<std::unique
                 return values[std::size_t(leaf)].get() + row * std::ptrdiff_t(LeafVoxel::kDim);
             };
             TextureRecord* const to = records + BricksOf<2>::index(x, y, 0);
-            const Float8 coverage = maskOf(laneBits(here)) ? broadcast8(1) : Float8{};
+            const Float8 coverage = maskOf(bitsOf(here)) ? broadcast8(1) : Float8{};
             Float8 texture{};
             if (here >= 0) __builtin_memcpy(&texture, rowOf(here), sizeof texture);
             const Float8 low = __builtin_shufflevector(texture, coverage, 0, 8, 1, 9, 2, 10, 3, 11);
             const Float8 high = __builtin_shufflevector(texture, coverage, 4, 12, 5, 13, 6, 14, 7, 15);
             __builtin_memcpy(to, &low, sizeof low);
             __builtin_memcpy(to + LeafVoxel::kDim / 2, &high, sizeof high);
-            to[LeafVoxel::kDim] = (laneBits(after) & 1) != 0 ? TextureRecord{{*rowOf(after), 1}} : TextureRecord{};
+            to[LeafVoxel::kDim] = (bitsOf(after) & 1) != 0 ? TextureRecord{{*rowOf(after), 1}} : TextureRecord{};
         }
     }
 }
