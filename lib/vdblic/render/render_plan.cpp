@@ -96,6 +96,24 @@ PicturePlan resolve(const PictureParams& params, const SequenceTraits& sequence)
     return plan;
 }
 
+PicturePlan planOfLines(const PicturePlan& plan)
+{
+    PicturePlan lines = plan;
+    lines.lines.clear();
+    lines.texture.clear();
+    lines.region.clear();
+    lines.regionBox.reset();
+    lines.look.opticalDepth = lookPreset(defaultLookName(/*isSparse=*/true)).look.opticalDepth;
+    TransferParams& transfer = lines.look.transfer;
+    transfer.opacity.clear();
+    transfer.opacityRange.reset();
+    transfer.opacityScale.reset();
+    for (const char* const name : {"q", "vorticity", plan.colorBy.c_str()}) {
+        if (!std::ranges::count(lines.opacityBy, name)) lines.opacityBy.emplace_back(name);
+    }
+    return lines;
+}
+
 RenderPlan resolve(const RenderParams& params)
 {
     params.validate();

@@ -103,6 +103,24 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
     return points;
 }
 
+/// The look of the lines in frames, with the colours of their voxels. @param look theirs
+std::optional<View::OfLines> chooseLines(const PicturePlan& plan, const Look& look,
+                                         std::span<const std::shared_ptr<const LoadedTexture>> frames)
+{
+    LookBasis basis;
+    OneProcess alone; // each rank has all lines
+    bool isColored = true;
+    for (const auto& frame : frames) {
+        if (frame->lines && !frame->lines->empty()) basis.add(*frame->lines, alone);
+        isColored = isColored && frame->hasColor;
+    }
+    if (basis.first.empty()) return std::nullopt;
+    PicturePlan own = planOfLines(plan);
+    if (isColored) own.look.transfer.range = look.transfer.range();
+    View::OfLines lines{basis.choose(own), basis.opacityBy};
+    return lines;
+}
+
 /// World-space points around the visible part of a frame.
 std::vector<glm::dvec3> visiblePoints(const LoadedTexture& frame, const Look& look, const ClipParams& clip,
                                       Exchange& exchange)
@@ -124,7 +142,7 @@ void addOnGround(const PicturePlan& plan, const Corners& box, std::vector<glm::d
 
 std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
                                   std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                  Exchange& exchange)
+                                  Exchange& exchange, const Look* lines)
 {
     std::vector<glm::dvec3> subject;
     if (plan.camera.eye && plan.camera.projection == Projection::kPerspective) return subject;
@@ -136,6 +154,9 @@ std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
         for (const auto& frame : frames) {
             const auto more = visiblePoints(*frame, look, plan.rays.clip.stretched(plan.stretch), exchange);
             subject.insert(subject.end(), more.begin(), more.end());
+            if (!frame->lines || !lines) continue;
+            const auto ofLines = visiblePoints(*frame->lines, *lines, plan.rays.clip.stretched(plan.stretch), exchange);
+            subject.insert(subject.end(), ofLines.begin(), ofLines.end());
         }
         if (plan.ground != GroundSide::kNone) addOnGround(plan, box, subject);
     }
@@ -151,9 +172,10 @@ View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const L
     for (const auto& frame : frames)
         basis.add(*frame, exchange);
     Look look = basis.choose(plan);
-    std::vector<glm::dvec3> subject = subjectOf(plan, look, frames, box, exchange);
+    std::optional<View::OfLines> lines = chooseLines(plan, look, frames);
+    std::vector<glm::dvec3> subject = subjectOf(plan, look, frames, box, exchange, lines ? &lines->look : nullptr);
     const CameraPath cameras(plan.camera, plan.motion, box, plan.size, span, std::move(subject));
-    return {std::move(look), basis.opacityBy, cameras, box, basis.volumeBytes + plan.imageBytes(),
+    return {std::move(look), basis.opacityBy, std::move(lines), cameras, box, basis.volumeBytes + plan.imageBytes(),
             basis.lastFrame, basis.longest};
 }
 
