@@ -164,6 +164,11 @@ double LoadedTexture::bytes() const
     return own + (lines ? lines->bytes() : 0);
 }
 
+std::filesystem::path linesFile(const PicturePlan& plan, std::int64_t frame)
+{
+    return FramePattern(plan.lines).path(frame);
+}
+
 double bytesPerVoxel(const PicturePlan& plan)
 {
     const bool hasLines = plan.look.shading.model == ShadingModel::kLine;
@@ -270,7 +275,7 @@ std::optional<LoadedTexture> linesIn(const PicturePlan& plan, const VdbFile& fil
 /// The lines that are drawn in a frame's voxels. @throws InputError naming their file
 std::shared_ptr<const LoadedTexture> linesBeside(const PicturePlan& plan, const FrameFile& frame, const View* view)
 {
-    const FrameFile file{frame.frame, FramePattern(plan.lines).path(frame.frame)};
+    const FrameFile file{frame.frame, linesFile(plan, frame.frame)};
     const std::string path = file.path.string();
     if (!std::filesystem::exists(file.path)) {
         throw InputError(fmt::format("{}: the lines of frame {} are missing; make them with vdblic_advect --method "
@@ -337,6 +342,7 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
         throw missingScalar(file, {plan.colorBy}, opacityBy.empty() ? "`by`" : "`color_by`");
     const auto storedOpacity = opacityBy.empty() ? storedColor : findScalar(file, opacityBy);
     if (!storedOpacity && !opacityBy.empty()) throw missingScalar(file, opacityBy, "`opacity_by`");
+    const auto lines = plan.lines.empty() ? nullptr : linesBeside(plan, frame, view);
     try {
         const bool isSparse = vdblic::isSparse(file.metadata);
         const auto usable = [&](const openvdb::FloatGrid::Ptr& grid) {
@@ -365,6 +371,7 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
                              .opacityUnit = unitOf(*opacity, lengthUnit),
                              .lengthUnit = lengthUnit,
                              .isSparse = isSparse,
+                             .lines = lines,
                              .flowVoxels = isSparse ? flowVoxelsOf(file, storedColor) : nullptr};
         if (color->getName() == kSourceGrid) loaded.kinds = kindsOf(file.metadata);
         if (opacity != color || !plan.look.transfer.sharesRange()) loaded.volume->addColors(*texture, *color);
@@ -374,7 +381,6 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
             loaded.volume->cut(*makeDomain(topology, texture->transform(), region, frame.frame).texture);
         }
         if (hasLines) loaded.volume->addLines();
-        if (!plan.lines.empty()) loaded.lines = linesBeside(plan, frame, view);
         return loaded;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", frame.path.string(), error.what()));

@@ -9,6 +9,8 @@
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,6 +57,9 @@ struct LoadedTexture {
 
     [[nodiscard]] double bytes() const; ///< estimated memory
 };
+
+/// The file of the lines in a frame's voxels. @param plan with lines
+[[nodiscard]] std::filesystem::path linesFile(const PicturePlan& plan, std::int64_t frame);
 
 /// Estimated memory of a voxel of a frame [bytes].
 [[nodiscard]] double bytesPerVoxel(const PicturePlan& plan);

@@ -195,6 +195,8 @@ Image Picture::image() const
         };
         FrameClock clock = frame.clock;
         clock.longest = mView.longest;
+        AnnotationContent::OfLines lines;
+        if (frame.lines && mView.lines) lines = {&mView.lines->look, mView.lines->opacityBy, frame.lines->opacityUnit};
         const AnnotationContent content{mView.box,
                                         mPlan.stretch,
                                         shown(mPlan.colorBy),
@@ -205,7 +207,8 @@ Image Picture::image() const
                                         frame.colorUnit,
                                         frame.opacityUnit,
                                         frame.lengthUnit,
-                                        isGeographic(clock, frame.lengthUnit, mPlan.stretch)};
+                                        isGeographic(clock, frame.lengthUnit, mPlan.stretch),
+                                        std::move(lines)};
         annotate(image, mPlan.annotations, content, mView.look, mCamera, mPlan.background.at(0.5));
     }
     return image;

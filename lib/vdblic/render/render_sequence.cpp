@@ -53,7 +53,7 @@ InputFiles inputsOf(const RenderPlan& plan, const std::vector<FrameFile>& files)
     }
     for (const FrameFile& file : files) {
         inputs.add(file.path);
-        if (!plan.picture.lines.empty()) inputs.add(FramePattern(plan.picture.lines).path(file.frame));
+        if (!plan.picture.lines.empty()) inputs.add(linesFile(plan.picture, file.frame));
     }
     return inputs;
 }

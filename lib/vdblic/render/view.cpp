@@ -24,6 +24,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <utility>
 
 namespace vdblic {
@@ -209,12 +211,22 @@ std::optional<ViewSource> viewSource(const SequenceParams& input, const PictureP
     for (glm::dvec3& corner : bounds->box)
         corner *= plan.stretch;
     constexpr std::size_t kLookFrames = 4;
-    std::vector<FrameFile> lookFrames{bounds->firstFilled};
+    const std::size_t count = files.size();
+    FrameFile first = bounds->firstFilled;
+    if (!plan.lines.empty()) { // of frames that have lines, if there is one
+        const auto isThere = [&](const FrameFile& file) {
+            return std::filesystem::exists(linesFile(plan, file.frame));
+        };
+        if (const auto found = std::ranges::find_if(files, isThere); found != files.end() && !isThere(first))
+            first = *found;
+        if (isThere(first)) std::erase_if(files, std::not_fn(isThere));
+    }
+    std::vector<FrameFile> lookFrames{first};
     for (std::size_t i = 1; i < std::min(kLookFrames, files.size()); ++i) {
         const FrameFile& file = files[i * (files.size() - 1) / (std::min(kLookFrames, files.size()) - 1)];
-        if (file.frame != bounds->firstFilled.frame) lookFrames.push_back(file);
+        if (file.frame != first.frame) lookFrames.push_back(file);
     }
-    return ViewSource{files.size(), span, bounds->box, std::move(lookFrames)};
+    return ViewSource{count, span, bounds->box, std::move(lookFrames)};
 }
 
 std::optional<SequenceView> viewOfSequence(const RenderPlan& plan, Exchange& exchange)
