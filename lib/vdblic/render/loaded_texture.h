@@ -42,7 +42,7 @@ struct LoadedTexture {
 
     [[nodiscard]] bool empty() const { return tubes ? tubes->empty() : volume->empty(); }
     [[nodiscard]] const PlacedBox& box() const { return tubes ? static_cast<const PlacedBox&>(*tubes) : *volume; }
-    /// Voxels, or parts of lines, that are left out because a value is not a finite number.
+    /// Voxels and parts of lines that are left out because a value is not a finite number.
     [[nodiscard]] std::size_t unusable() const
     {
         return (tubes ? tubes->unusable() : volume->unusableVoxels()) + (lines ? lines->unusable() : 0);

@@ -186,10 +186,12 @@ double PictureSettings::imageBytes() const
     const double layerBytes = rays.layers ? 2 * sizeof(PixelLayers) : 0;
     const bool hasSurface = !solid.empty() || ground != GroundSide::kNone;
     const double surfaceBytes = hasSurface ? sizeof(float) + sizeof(glm::vec4) + sizeof(glm::vec3) : 0;
+    const double partBytes = lines.empty() ? 0 : 2 * sizeof(float) + 1;
     // Two drawings of 32 bits, and both in linear light.
     const double annotationBytes = annotations.any() ? 2 * (sizeof(float) + sizeof(glm::vec4)) : 0;
     constexpr double kDisplayed = 3; // bytes
-    const double perPixel = sizeof(glm::vec4) * 4 + layerBytes + surfaceBytes + annotationBytes + kDisplayed;
+    const double perPixel =
+        sizeof(glm::vec4) * 4 + layerBytes + surfaceBytes + partBytes + annotationBytes + kDisplayed;
     return double(size.x) * size.y * perPixel;
 }
 

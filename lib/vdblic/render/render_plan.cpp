@@ -89,6 +89,8 @@ PicturePlan resolve(const PictureParams& params, const SequenceTraits& sequence)
                      look.background, params.colorBy,       std::move(opacityBy)};
     if (plan.colorBy.empty()) plan.colorBy = params.by.empty() ? kSpeedGrid : params.by;
     if (plan.texture.empty()) plan.texture = sequence.texture;
+    constexpr double kSeenThrough = 4; // so that lines inside are seen
+    if (!plan.lines.empty()) plan.look.opticalDepth /= kSeenThrough;
     if (!params.cameraFile.empty()) plan.motion.keys = keysOf(params.cameraFile, params.camera);
     plan.motion.validate();
     if (plan.motion.orbit != 0 && !plan.motion.orbitFrames && !sequence.isNumbered)

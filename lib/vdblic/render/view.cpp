@@ -105,22 +105,36 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
     return points;
 }
 
-/// The look of the lines in frames, with the colours of their voxels. @param look theirs
-std::optional<View::OfLines> chooseLines(const PicturePlan& plan, const Look& look,
-                                         std::span<const std::shared_ptr<const LoadedTexture>> frames)
+/// Looks of voxels and of the lines in them.
+struct Looks {
+    Look voxels;
+    std::optional<View::OfLines> lines{};
+};
+
+/// Choose both, with one range of colours over the values of both.
+/// @param basis of the voxels
+Looks chooseLooks(const PicturePlan& plan, const LookBasis& basis,
+                  std::span<const std::shared_ptr<const LoadedTexture>> frames)
 {
-    LookBasis basis;
+    Looks looks{basis.choose(plan)};
+    LookBasis ofLines;
     OneProcess alone; // each rank has all lines
     bool isColored = true;
     for (const auto& frame : frames) {
-        if (frame->lines && !frame->lines->empty()) basis.add(*frame->lines, alone);
+        if (frame->lines && !frame->lines->empty()) ofLines.add(*frame->lines, alone);
         isColored = isColored && frame->hasColor;
     }
-    if (basis.first.empty()) return std::nullopt;
-    PicturePlan own = planOfLines(plan);
-    if (isColored) own.look.transfer.range = look.transfer.range();
-    View::OfLines lines{basis.choose(own), basis.opacityBy};
-    return lines;
+    if (ofLines.first.empty()) return looks;
+    PicturePlan lines = planOfLines(plan);
+    if (isColored && !plan.look.transfer.range) {
+        const auto &a = looks.voxels.transfer.range(), b = ofLines.choose(lines).transfer.range();
+        PicturePlan both = plan;
+        both.look.transfer.range = {std::min(a[0], b[0]), std::max(a[1], b[1])};
+        looks.voxels = basis.choose(both);
+    }
+    if (isColored) lines.look.transfer.range = looks.voxels.transfer.range();
+    looks.lines.emplace(ofLines.choose(lines), ofLines.opacityBy);
+    return looks;
 }
 
 /// World-space points around the visible part of a frame.
@@ -173,12 +187,11 @@ View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const L
     LookBasis basis;
     for (const auto& frame : frames)
         basis.add(*frame, exchange);
-    Look look = basis.choose(plan);
-    std::optional<View::OfLines> lines = chooseLines(plan, look, frames);
+    auto [look, lines] = chooseLooks(plan, basis, frames);
     std::vector<glm::dvec3> subject = subjectOf(plan, look, frames, box, exchange, lines ? &lines->look : nullptr);
     const CameraPath cameras(plan.camera, plan.motion, box, plan.size, span, std::move(subject));
-    return {std::move(look), basis.opacityBy, std::move(lines), cameras, box, basis.volumeBytes + plan.imageBytes(),
-            basis.lastFrame, basis.longest};
+    return {std::move(look), basis.opacityBy, cameras,         box, basis.volumeBytes + plan.imageBytes(),
+            basis.lastFrame, basis.longest,   std::move(lines)};
 }
 
 namespace {

@@ -57,17 +57,17 @@ struct LookBasis {
 struct View {
     Look look;
     std::string opacityBy; ///< name of the grid that opacity follows, in every frame
+    CameraPath cameras;
+    Corners box;                ///< around all known frames
+    double frameBytes;          ///< estimated memory of a frame
+    std::int64_t lastFrame = 0; ///< as in LookBasis
+    double longest = 0;
     /// Of the lines in the voxels; nullopt if there are none.
     struct OfLines {
         Look look;
         std::string opacityBy;
     };
     std::optional<OfLines> lines{};
-    CameraPath cameras;
-    Corners box;                ///< around all known frames
-    double frameBytes;          ///< estimated memory of a frame
-    std::int64_t lastFrame = 0; ///< as in LookBasis
-    double longest = 0;
 };
 
 /// @param frames at least one, none empty
