@@ -133,7 +133,7 @@ Looks chooseLooks(const PicturePlan& plan, const LookBasis& basis,
         looks.voxels = basis.choose(both);
     }
     if (isColored) lines.look.transfer.range = looks.voxels.transfer.range();
-    looks.lines.emplace(ofLines.choose(lines), ofLines.opacityBy);
+    looks.lines = View::OfLines{ofLines.choose(lines), ofLines.opacityBy};
     return looks;
 }
 
