@@ -61,7 +61,7 @@ glm::vec4 pixelOf(const RaySum& sum, const glm::vec4& surface, const glm::vec3& 
     const float part = shadedAlpha(sum), whole = part > 0 ? (sum.alpha - sum.halo) / part : 0;
     const glm::vec3 color = glm::vec3(sum.color[0], sum.color[1], sum.color[2]) * whole;
     const glm::vec3 gaps = (glm::vec3(surface) + behind * (1 - surface.a)) * sum.halo;
-    return glm::vec4(color + behind * (sum.color[3] * whole) + gaps, sum.alpha);
+    return {color + behind * (sum.color[3] * whole) + gaps, sum.alpha};
 }
 
 } // namespace
