@@ -57,6 +57,10 @@ gallery wake "Wake of a square prism" --frames 12 --solid domain
     --look paper --opacity-by q --solid domain --ground below --annotate box,axes,colorbar >>"$out/log.txt"
 ffmpeg -loglevel error -y -i "$out/wake-paper.0012.png" -q:v 2 "$images/wake-paper.jpg"
 streaks wake samples/wake/wake.%04d.vdb 1-12 1.5 --opacity-by q --solid domain --ground below
+"$tools/vdblic_render" "$out/wake.%04d.vdb" --lines "$out/wake-streaks.%04d.vdb" -o "$out/wake-both.%04d.png" -q --size 1280 800 \
+    --frames 12 --roi-box -1 -1 0 1 1 0.004 --opacity 0:1,1:1 --modulate 0.5 --solid domain --ground below \
+    --annotate colorbar >>"$out/log.txt"
+ffmpeg -loglevel error -y -i "$out/wake-both.0012.png" -q:v 2 "$images/wake-both.jpg"
 
 # Where the air of two parts of the inflow goes.
 /usr/bin/python3 - samples/wake/wake.0001.vdb "$out/inlets.vdb" <<'END'

@@ -17,12 +17,20 @@ int main(int argc, char** argv)
     vdblic::cli::Tool tool(ranks.toolName("vdblic_render"), "Ray cast flow textures into images.");
     tool.share(ranks);
     tool.options(parametersOf(params),
-                 vdblic::cli::pictureGroups({{"Output",
+                 vdblic::cli::pictureGroups({{"Lines", {"lines"}},
+                                             {"Output",
                                               {"output", "skip_existing", "keep_going", "aov", "precision", "histogram",
                                                "transfer_out", "film", "fps"}}}));
     constexpr double kInFiles = 8; // bricks and light of a texture
     tool.usesScratch(kInFiles, [&] { return params.outputs.images; });
-    tool.reads([&] { return std::vector<vdblic::SequenceParams>{params.input}; });
+    tool.reads([&] {
+        std::vector<vdblic::SequenceParams> inputs{params.input};
+        if (!params.picture.lines.empty()) {
+            inputs.push_back(params.input);
+            inputs.back().pattern = params.picture.lines;
+        }
+        return inputs;
+    });
     return tool.run(argc, argv, [&](vdblic::Reporter& reporter) {
         vdblic::Exchange& exchange = *ranks.exchange;
         if (!exchange.isAlone() && (!params.outputs.film.empty() || !params.outputs.histogram.empty())) {

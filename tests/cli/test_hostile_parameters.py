@@ -77,7 +77,7 @@ LEGAL = {
     "--clip-plane": {"0", "-1", "1e308", "-1e308", "99999999999999999999"},
 }
 NAMES = {"--texture", "--texture-name", "--velocity", "--carry", "--mask", "--noise", "--like", "--json", "--output",
-         "--ignore-metadata", "--camera", "--transfer", "--transfer-out", "--roi", "--film", "--solid", "--by",
+         "--ignore-metadata", "--camera", "--transfer", "--transfer-out", "--roi", "--film", "--solid", "--by", "--lines",
          "--color-by", "--opacity-by", "--array", "--grids"}
 
 

@@ -164,6 +164,19 @@ class Ranks(ToolTest):
                 self.assertEqual(run.stdout.split(), [f"many.{suffix}"])
                 self.assertEqual(self.contents(f"many.{suffix}"), self.contents(f"one.{suffix}"))
 
+    def test_lines_in_a_texture_by_several_ranks(self):
+        self.outputs("vdblic_advect", WAKE, "--frames", 1, "--preroll", 0, "-o", "t.%04d.vdb")
+        self.outputs("vdblic_advect", WAKE, "--frames", 1, "--method", "streaks", "--draw", "lines", "--spacing", 3, "--with", "q", "-o",
+                     "l.%04d.vdb")
+        arguments = ("t.%04d.vdb", "--lines", "l.%04d.vdb", "--size", 200, 130, "--threads", 1, "--look", "vortex", "--opacity-by", "magnitude",
+                     "--ground", "below", "--solid", "domain", "--aov", "depth,normal")
+        self.outputs("vdblic_render", *arguments, "-o", "one.%04d.exr")
+        run = self.render(3, *arguments, "-o", "many.%04d.exr")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(self.contents("many.0001.exr"), self.contents("one.0001.exr"))
+        (self.folder / "l.0001.vdb").unlink()
+        self.assert_failed(self.render(3, *arguments, "-o", "bad.%04d.exr"), 3, "l.0001.vdb", "missing")
+
     def test_a_frame_larger_than_the_memory_of_a_rank(self):
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 208, 208, 208, "--frames", "1-2")
         self.outputs("vdblic_advect", "v.%04d.vdb", "--frames", 1, "--preroll", 0, "-o", "t.%04d.vdb")

@@ -21,6 +21,7 @@ ORTHOGRAPHIC = ["--projection", "orthographic"]
 # For each option: the options that it needs, and a value other than its default.
 VALUES = {
     "--texture": ([], "magnitude"),
+    "--lines": ([], "lines.%04d.vdb"),
     "--size": ([], 30, 20),
     "--stretch": ([], 1, 1, 2),
     "--samples": ([], 2),
@@ -90,6 +91,12 @@ class Header(ToolTest):
                 grid.fill((i, 0, 0), (i, 9, 9), i / 12, True)
             grids.append(grid)
         vdb.write(str(self.folder / "lic.0001.vdb"), grids=grids)
+        flow = vdb.Vec3SGrid()
+        flow.name = "velocity"
+        flow.fill((0, 0, 0), (9, 9, 9), (1, 0, 0), True)
+        vdb.write(str(self.folder / "v.0001.vdb"), grids=[flow])
+        self.outputs("vdblic_advect", "v.0001.vdb", "--dt", 1, "--method", "streaks", "--draw", "lines", "--spacing", 3, "-o",
+                     "lines.%04d.vdb")
         (self.folder / "keys.json").write_text(json.dumps({"keys": [{"frame": 1, "eye": [9, 0, 9]}]}))
         (self.folder / "function.json").write_text('{"colors": [[0, 1, 0, 0], [1, 0, 0, 1]]}')
 

@@ -5,9 +5,11 @@
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/volume/leaf_extinctions.h"
 
+#include <glm/vec4.hpp>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -30,33 +32,75 @@ void addExtinctions(const TextureVolume& volume, const Look& look, std::size_t l
     });
 }
 
+openvdb::Coord voxelAt(const glm::dvec3& at)
+{
+    return openvdb::Coord::round(openvdb::Vec3d(at.x, at.y, at.z));
+}
+
+/// A volume's voxels and those around its tubes, so far as they lie no farther from it than it is long.
+openvdb::CoordBBox withTubes(const openvdb::CoordBBox& voxels, const PlacedBox& volume, const Tubes& tubes)
+{
+    const openvdb::Coord dim = voxels.dim();
+    const int most = std::max({dim[0], dim[1], dim[2]});
+    constexpr int kFar = 1 << 28;
+    if (most > kFar || voxels.min()[voxels.min().minIndex()] < -kFar || voxels.max()[voxels.max().maxIndex()] > kFar)
+        return voxels;
+    const auto inReach = [&](int axis, double at) {
+        return int(std::clamp(at, double(voxels.min()[axis]) - most, double(voxels.max()[axis]) + most));
+    };
+    openvdb::CoordBBox box = voxels;
+    for (const glm::dvec3& corner : tubes.corners()) {
+        const glm::dvec3 at(volume.worldToIndex() * glm::dvec4(corner, 1));
+        box.expand({inReach(0, at.x), inReach(1, at.y), inReach(2, at.z)});
+    }
+    return box;
+}
+
 } // namespace
 
-ExtinctionGrid::ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange)
+ExtinctionGrid::ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange, const TubeTree* tubes)
 {
     openvdb::CoordBBox box;
     for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf)
         box.expand(openvdb::CoordBBox::createCube(volume.domain().origin(leaf), LeafVoxel::kDim));
     if (box.empty()) box = {openvdb::Coord(0), openvdb::Coord(0)};
+    if (tubes) box = withTubes(box, volume, tubes->tubes());
     cover(box);
-    sum(volume, look, exchange);
+    Sums sums = sum(volume, look, exchange);
+    if (tubes) add(*tubes, volume, sums);
+    setValues(sums);
 }
 
 ExtinctionGrid::ExtinctionGrid(const TubeTree& tree)
 {
     const Tubes& tubes = tree.tubes();
-    const auto voxel = [](const glm::dvec3& at) { return openvdb::Coord::round(openvdb::Vec3d(at.x, at.y, at.z)); };
-    cover({voxel(tubes.low() + 0.5), voxel(tubes.high() - 0.5)});
-    std::vector<std::uint64_t> sums(index(mDim - openvdb::Coord(1)) + 1);
-    // A tube attenuates the light behind it once, whatever its thickness.
-    tubes.forPieces(tree.cones(), mCell, [&](const Tubes::Piece& piece) {
-        const auto share = double(tree.alpha(piece.driver, piece.opacity));
-        openvdb::Coord cell = voxel(piece.place) - mOrigin;
-        for (int axis = 0; axis < 3; ++axis)
-            cell[axis] = std::clamp(cell[axis] / mCell, 0, mDim[axis] - 1);
-        sums[index(cell)] += std::uint64_t(share * piece.area * double(kSumUnits));
-    });
+    cover({voxelAt(tubes.low() + 0.5), voxelAt(tubes.high() - 0.5)});
+    Sums sums(index(mDim - openvdb::Coord(1)) + 1);
+    add(tree, tubes, sums);
     setValues(sums);
+}
+
+/// Add tubes. One attenuates the light behind it once, whatever its thickness.
+/// @param box whose voxels the cells cover
+void ExtinctionGrid::add(const TubeTree& tree, const PlacedBox& box, Sums& sums) const
+{
+    const Tubes& tubes = tree.tubes();
+    const bool isOwn = &box == &tubes;
+    const glm::dmat4 toBox = box.worldToIndex() * tubes.indexToWorld();
+    const double scale = isOwn ? 1 : tubes.voxelSize() / box.voxelSize();
+    const int cellOfTubes = int(std::clamp(mCell / scale, 1.0, 1e6));
+    tubes.forPieces(tree.cones(), cellOfTubes, [&](const Tubes::Piece& piece) {
+        const auto share = double(tree.alpha(piece.driver, piece.opacity));
+        const glm::dvec3 place = isOwn ? piece.place : glm::dvec3(toBox * glm::dvec4(piece.place, 1));
+        openvdb::Coord cell;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double from = std::floor(place[axis] + 0.5) - mOrigin[axis], last = double(mCell) * mDim[axis] - 1;
+            if (!isOwn && !(from >= 0 && from <= last)) return;
+            cell[axis] = int(std::clamp(from, 0.0, last)) / mCell;
+        }
+        const double most = 0x1p60, area = piece.area * scale * scale;
+        sums[index(cell)] += std::uint64_t(std::min(share * area * double(kSumUnits), most));
+    });
 }
 
 /// Set the cells. @param voxels that they cover, not empty
@@ -73,10 +117,9 @@ void ExtinctionGrid::cover(const openvdb::CoordBBox& voxels)
 }
 
 /// Sums are of integers, so their order does not matter.
-void ExtinctionGrid::sum(const TextureVolume& volume, const Look& look, Exchange& exchange)
+ExtinctionGrid::Sums ExtinctionGrid::sum(const TextureVolume& volume, const Look& look, Exchange& exchange) const
 {
-    const std::size_t count = std::size_t(mDim[0]) * std::size_t(mDim[1]) * std::size_t(mDim[2]);
-    std::vector<std::uint64_t> sums(count);
+    Sums sums(index(mDim - openvdb::Coord(1)) + 1);
     const auto addLeaf = [&](std::size_t leaf) {
         if (!volume.isOwn(leaf) || volume.shown(leaf).isOff() || !look.contributes(volume.leafRange(leaf))) return;
         addExtinctions(volume, look, leaf, volume.origin(leaf) - mOrigin, mCell, mDim, sums.data());
@@ -89,11 +132,11 @@ void ExtinctionGrid::sum(const TextureVolume& volume, const Look& look, Exchange
             addLeaf(leaf);
     }
     exchange.sum(sums);
-    setValues(sums);
+    return sums;
 }
 
 /// @param sums over the voxels of the cells [1/kSumUnits]
-void ExtinctionGrid::setValues(const std::vector<std::uint64_t>& sums)
+void ExtinctionGrid::setValues(const Sums& sums)
 {
     const double perSum = 1 / (double(kSumUnits) * mCell * mCell * mCell);
     mValues.reserve(sums.size());

@@ -9,6 +9,7 @@
 namespace vdblic {
 
 class Exchange;
+class PlacedBox;
 class TextureVolume;
 class TubeTree;
 struct Look;
@@ -21,7 +22,8 @@ struct Look;
 class ExtinctionGrid {
   public:
     /// @param exchange of the ranks that share the volume: collective
-    ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange);
+    /// @param tubes    in the volume or around it, at most as far as it is long; or null
+    ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange, const TubeTree* tubes = nullptr);
     /// The extinction of tubes, each taken as short pieces spread evenly through its cells.
     explicit ExtinctionGrid(const TubeTree& tree);
 
@@ -38,8 +40,10 @@ class ExtinctionGrid {
 
   private:
     void cover(const openvdb::CoordBBox& voxels);
-    void setValues(const std::vector<std::uint64_t>& sums);
-    void sum(const TextureVolume& volume, const Look& look, Exchange& exchange);
+    using Sums = std::vector<std::uint64_t>; // over the voxels of the cells
+    [[nodiscard]] Sums sum(const TextureVolume& volume, const Look& look, Exchange& exchange) const;
+    void add(const TubeTree& tree, const PlacedBox& box, Sums& sums) const;
+    void setValues(const Sums& sums);
 
     openvdb::Coord mOrigin{0}, mDim{2};
     int mCell = 2;

@@ -1,6 +1,7 @@
 #include "vdblic/cast/ray_caster.h"
 
 #include "vdblic/camera/camera.h"
+#include "vdblic/cast/divided_rays.h"
 #include "vdblic/cast/ray_cast_params.h"
 #include "vdblic/cast/ray_kernel.h"
 #include "vdblic/cast/ray_setup.h"
@@ -21,12 +22,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <stop_token>
 #include <vector>
 
 namespace vdblic {
 namespace {
+
+constexpr float kNowhere = std::numeric_limits<float>::infinity();
 
 /// The part of a ray's alpha that has a colour.
 float shadedAlpha(const RaySum& sum)
@@ -50,6 +54,16 @@ PixelLayers layersOf(const RaySum& sum, const RayTask& task)
     return layers;
 }
 
+/// What a part of a ray shows. @param surface behind it  @param behind background
+glm::vec4 pixelOf(const RaySum& sum, const glm::vec4& surface, const glm::vec3& behind)
+{
+    // Samples too faint to be shaded get the colour of the others.
+    const float part = shadedAlpha(sum), whole = part > 0 ? (sum.alpha - sum.halo) / part : 0;
+    const glm::vec3 color = glm::vec3(sum.color[0], sum.color[1], sum.color[2]) * whole;
+    const glm::vec3 gaps = (glm::vec3(surface) + behind * (1 - surface.a)) * sum.halo;
+    return {color + behind * (sum.color[3] * whole) + gaps, sum.alpha};
+}
+
 } // namespace
 
 Image castRays(const TextureVolume& volume, const Look& look, const Camera& camera, const RayCastParams& params,
@@ -58,12 +72,18 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
 {
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
-    if (params.layers) image.layers.resize(image.pixels.size());
+    if (params.layers) image.layers.resize(image.pixels.size(), PixelLayers{.depth = scenery.tubes ? 0 : kNowhere});
     const std::optional<SurfacePicture> surfaces = castSurfaces(scenery, volume, look, camera, ray);
+    const SurfacePicture* const behind = surfaces ? &*surfaces : nullptr;
+    std::optional<DividedRays> divided;
+    if (scenery.tubes) divided.emplace(scenery, volume, look, camera, params, ray, behind, only);
     const glm::vec3 origin(visible.origin()[0], visible.origin()[1], visible.origin()[2]);
     const SampleShader shader(volume, look, camera, params, origin, scenery.light);
-    const RaySetup setup(volume, visible, camera, params, shader, ray, surfaces ? surfaces->depths.data() : nullptr,
-                         only);
+    const RaySetup setup(volume, visible, camera, params, shader, ray, divided ? divided->begins() : nullptr,
+                         divided  ? divided->ends()
+                         : behind ? behind->depths.data()
+                                  : nullptr,
+                         divided ? divided->active() : only);
     const RayKernel kernel(volume, look, params, visible, shader);
     const std::vector<glm::vec3> background = look.backgroundRows(size.y);
     constexpr int kTile = RaySetup::kTile;
@@ -71,21 +91,34 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
     tbb::parallel_for(0, tiles.x * tiles.y, [&](int tile) {
         if (stop.stop_requested()) return;
         paging::breathe(RaySetup::kRays * paging::kLeafBytes);
+        const glm::ivec2 corner = low + glm::ivec2(tile % tiles.x, tile / tiles.x) * kTile;
         std::array<RayTask, RaySetup::kRays> tasks;
-        const int count = setup.rays(low.x + tile % tiles.x * kTile, low.y + tile / tiles.x * kTile, tasks.data());
-        std::array<RaySum, RaySetup::kRays> sums{};
-        kernel.trace(tasks.data(), count, sums.data());
-        for (std::size_t i = 0; i < std::size_t(count); ++i) {
-            const RaySum& sum = sums[i];
-            // Samples too faint to be shaded get the colour of the others.
-            const float part = shadedAlpha(sum), whole = part > 0 ? (sum.alpha - sum.halo) / part : 0;
-            const glm::vec3 color = glm::vec3(sum.color[0], sum.color[1], sum.color[2]) * whole;
-            const auto pixel = std::size_t(tasks[i].pixel);
-            const glm::vec3& behind = background[pixel / std::size_t(size.x)];
-            const glm::vec4 surface = surfaces ? surfaces->colors[pixel] : glm::vec4(0);
-            const glm::vec3 gaps = (glm::vec3(surface) + behind * (1 - surface.a)) * sum.halo;
-            image.pixels[pixel] = glm::vec4(color + behind * (sum.color[3] * whole) + gaps, sum.alpha);
-            if (params.layers) image.layers[pixel] = layersOf(sum, tasks[i]);
+        /// Cast the rays, and pass on what each shows.
+        const auto cast = [&](const auto& endOf, const auto& show) {
+            const int count = setup.rays(corner.x, corner.y, tasks.data());
+            std::array<RaySum, RaySetup::kRays> sums{};
+            kernel.trace(tasks.data(), count, sums.data());
+            for (std::size_t i = 0; i < std::size_t(count); ++i) {
+                const auto pixel = std::size_t(tasks[i].pixel);
+                const glm::vec4 color = pixelOf(sums[i], endOf(pixel), background[pixel / std::size_t(size.x)]);
+                show(pixel, color, params.layers ? layersOf(sums[i], tasks[i]) : PixelLayers{});
+            }
+        };
+        if (!divided) {
+            const auto surface = [&](std::size_t pixel) { return behind ? behind->colors[pixel] : glm::vec4(0); };
+            cast(surface, [&](std::size_t pixel, const glm::vec4& color, const PixelLayers& layers) {
+                image.pixels[pixel] = color;
+                if (params.layers) image.layers[pixel] = layers;
+            });
+            return;
+        }
+        DividedRays::Tile rays(*divided, corner, background);
+        while (!rays.isOver()) {
+            cast([&](std::size_t pixel) { return rays.end(pixel); },
+                 [&](std::size_t pixel, const glm::vec4& color, const PixelLayers& layers) {
+                     DividedRays::Tile::blend(image, pixel, color, layers);
+                 });
+            rays.next(image);
         }
     });
     if (stop.stop_requested()) throw Stopped{};

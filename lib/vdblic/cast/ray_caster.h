@@ -25,7 +25,8 @@ struct RayCastParams;
 /// @param params  valid
 /// @param visible leaves that are sampled; the others are skipped
 /// @param ray     index among the pixel's rays, for sampleShift() (ray_setup.h)
-/// @param scenery rays end at its surfaces, which are seen with the transmittance that is left
+/// @param scenery rays end at its surfaces, which are seen with the transmittance that is left; its tubes divide rays,
+///                and voxels and tubes are blended in the order in which a ray meets them
 /// @param only    by pixel: whether to cast its ray, the others stay 0; null: all
 /// @param stop    asks for the end before the picture is complete
 /// @throws Stopped if a stop was requested

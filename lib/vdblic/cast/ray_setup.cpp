@@ -104,9 +104,9 @@ float sampleShift(int x, int y, int ray)
 }
 
 RaySetup::RaySetup(const TextureVolume& volume, const VisibleSpace& visible, const Camera& camera,
-                   const RayCastParams& params, const SampleShader& shader, int ray, const float* ends,
-                   const std::uint8_t* only)
-    : mShader(shader), mSize(camera.size()), mStep(params.step), mRay(ray), mEnds(ends), mOnly(only),
+                   const RayCastParams& params, const SampleShader& shader, int ray, const float* begins,
+                   const float* ends, const std::uint8_t* only)
+    : mShader(shader), mSize(camera.size()), mStep(params.step), mRay(ray), mBegins(begins), mEnds(ends), mOnly(only),
       mWorld(camera.rays())
 {
     const glm::dvec3 zero(visible.origin()[0], visible.origin()[1], visible.origin()[2]);
@@ -194,6 +194,11 @@ int RaySetup::rays(int x, int y, RayTask* tasks) const
                 const int column = std::min(left + lane % 2, mSize.x - 1), row = std::min(top + lane / 2, mSize.y - 1);
                 const double end = double(mEnds[std::size_t(row) * std::size_t(mSize.x) + std::size_t(column)]);
                 leave[lane] = std::min(leave[lane], end * voxelsPerDepth[lane]);
+                if (!mBegins) continue;
+                const double begin = double(mBegins[std::size_t(row) * std::size_t(mSize.x) + std::size_t(column)]);
+                const double start = begin * voxelsPerDepth[lane];
+                if (start > enter[lane]) face[lane] = -1;
+                enter[lane] = std::max(enter[lane], start);
             }
         }
         const Long4 hit = (enter < leave) & (pixelX < mSize.x) & (pixelY < mSize.y);

@@ -31,10 +31,10 @@ class RaySetup {
     static constexpr int kRays = kTile * kTile; ///< of a tile
 
     /// @param ray  index among each pixel's rays
-    /// @param ends depths at which the pixels' rays end, as SurfacePicture has them; or null
+    /// @param begins, ends depths at which the pixels' rays begin and end, as SurfacePicture has them; or null
     /// @param only by pixel: whether it has a ray; or null: all have
     RaySetup(const TextureVolume& volume, const VisibleSpace& visible, const Camera& camera,
-             const RayCastParams& params, const SampleShader& shader, int ray, const float* ends,
+             const RayCastParams& params, const SampleShader& shader, int ray, const float* begins, const float* ends,
              const std::uint8_t* only);
 
     /// The rays through the centres of a tile's pixels that meet the volume, in an order that keeps neighbours
@@ -59,7 +59,7 @@ class RaySetup {
     glm::ivec2 mSize;
     double mStep;
     int mRay;
-    const float* mEnds;
+    const float *mBegins, *mEnds;
     const std::uint8_t* mOnly;
     PictureRays mWorld, mIndex; // in world space, and in index space relative to VisibleSpace::origin()
     glm::dvec3 mLow, mHigh;     // the volume's bounds, as mIndex

@@ -17,17 +17,6 @@
 namespace vdblic {
 namespace {
 
-/// Add a sample's layers, weighted by its alpha, to a pixel's sums.
-void addLayers(PixelLayers& sum, const PixelLayers& sample, float alpha)
-{
-    sum.samples += sample.samples;
-    if (!(alpha > 0)) return;
-    sum.depth += alpha * sample.depth;
-    sum.normal += alpha * sample.normal;
-    sum.driver += alpha * sample.driver;
-    sum.texture += alpha * sample.texture;
-}
-
 /// Turn the layers of one sample into sums.
 void weighLayers(Image& image)
 {
@@ -36,18 +25,6 @@ void weighLayers(Image& image)
         image.layers[i] = {.depth = 0};
         addLayers(image.layers[i], sample, image.pixels[i].a);
     }
-}
-
-void divideLayers(PixelLayers& sum, float alpha)
-{
-    if (!(alpha > 0)) {
-        sum = {.samples = sum.samples};
-        return;
-    }
-    sum.depth /= alpha;
-    sum.driver /= alpha;
-    sum.texture /= alpha;
-    if (const float length = glm::length(sum.normal); length > 0) sum.normal /= length;
 }
 
 constexpr int kRaysOfAll = 2;
@@ -101,6 +78,28 @@ std::vector<std::uint8_t> pixelsToRefine(const Image& first, const Image& sum, c
 }
 
 } // namespace
+
+void addLayers(PixelLayers& sum, const PixelLayers& layers, float alpha)
+{
+    sum.samples += layers.samples;
+    if (!(alpha > 0)) return;
+    sum.depth += alpha * layers.depth;
+    sum.normal += alpha * layers.normal;
+    sum.driver += alpha * layers.driver;
+    sum.texture += alpha * layers.texture;
+}
+
+void divideLayers(PixelLayers& sum, float alpha)
+{
+    if (!(alpha > 0)) {
+        sum = {.samples = sum.samples};
+        return;
+    }
+    sum.depth /= alpha;
+    sum.driver /= alpha;
+    sum.texture /= alpha;
+    if (const float length = glm::length(sum.normal); length > 0) sum.normal /= length;
+}
 
 void SampleSum::add(const std::stop_token& stop)
 {

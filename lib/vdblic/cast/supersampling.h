@@ -13,6 +13,11 @@ namespace vdblic {
 
 inline constexpr int kMostSamples = 4096; ///< rays per pixel
 
+/// Add layers to sums, weighted by the alpha of the pixel that they are of.
+void addLayers(PixelLayers& sum, const PixelLayers& layers, float alpha);
+/// Turn sums into means. @param alpha sum of the weights
+void divideLayers(PixelLayers& sum, float alpha);
+
 /// The sum of a picture's rays, added one a pixel at a time: two for each pixel, further ones only where these two
 /// differ or a neighbour in the same tile of RaySetup differs. Elsewhere further rays would change nothing visible.
 /// Through a lens every pixel has all rays. A pixel is the mean of its rays, a layer their mean weighted by alpha.

@@ -13,16 +13,19 @@ class Camera;
 class Ground;
 class LightGrid;
 class PlacedBox;
+class TubeTree;
 struct Image;
 struct Look;
 struct Solid;
 
-/// Solid, ground and light of a picture.
+/// What a picture shows beside its volume or tubes.
 struct Scenery {
     const Solid* solid = nullptr;
     glm::vec3 solidColor{0}; ///< linear light
     const LightGrid* light = nullptr;
     const Ground* ground = nullptr;
+    const TubeTree* tubes = nullptr; ///< in a volume
+    const Look* tubesLook = nullptr; ///< theirs
 };
 
 /// The surface behind each pixel's centre, without the volume.

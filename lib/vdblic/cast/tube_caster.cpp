@@ -28,18 +28,6 @@
 namespace vdblic {
 namespace {
 
-/// A ray being cast: its remaining transmittance and its accumulated colour and layers.
-struct TubeRay {
-    TubeTree::Ray line;   ///< begins where cuts and the box's bounds let it
-    glm::dvec3 direction; ///< in world space, of length 1
-    double begin;         ///< depth of its origin along the view axis [world]
-    double depthPerUnit;  ///< of the tubes' space
-    float left = 1;
-    glm::vec3 color{0};
-    float far = 0; ///< weight of the background that is seen in tubes
-    PixelLayers layers{.depth = 0};
-};
-
 /// The depths between which a ray is in the box and in front of all cuts; the first is not below 0.
 struct DepthSpan {
     double enter = 0, leave;
@@ -55,137 +43,128 @@ struct DepthSpan {
     }
 };
 
-/// Casts the rays of one picture.
-class Caster {
-  public:
-    Caster(const TubeTree& tree, const Look& look, const Camera& camera, const RayCastParams& params,
-           const LightGrid* light)
-        : mTree(tree), mTubes(tree.tubes()), mLook(look), mParams(params), mLight(light),
-          mCuts(params.clip.allPlanes()), mLighting(look.shading), mCue(mTubes, look, camera),
-          mToTubes(mTubes.worldToTubes()), mToIndex(mTubes.worldToIndex() * glm::inverse(mTubes.worldToTubes()))
-    {
-    }
+/// The sums over the tubes on a ray.
+struct TubeSum {
+    float left = 1; ///< transmittance
+    glm::vec3 color{0};
+    float far = 0; ///< weight of the background that is seen in tubes
+    PixelLayers layers{.depth = 0};
 
-    /// The ray through a pixel; nullopt if it is cut away. @param end depth of the surface behind
-    [[nodiscard]] std::optional<TubeRay> rayOf(const PixelRays::Line& pixel, double end) const
+    void add(const SeenTube& tube)
     {
-        const DepthSpan span(pixel, end, mCuts);
-        if (!(span.enter < span.leave)) return std::nullopt;
-        const glm::dvec3 origin(mToTubes * glm::dvec4(pixel.origin, 1));
-        const glm::dvec3 along = glm::dmat3(mToTubes) * pixel.direction;
-        const double unitsPerDepth = glm::length(along);
-        const glm::dvec3 direction = along / unitsPerDepth;
-        // From the point next to the middle of the box, so that single precision serves.
-        const double reach = glm::length(glm::dvec3(mToTubes * glm::dvec4(mTubes.corners().front(), 1)));
-        const double begin = std::max(span.enter * unitsPerDepth, -glm::dot(origin, direction) - 2 * reach);
-        const double leave = std::min(span.leave * unitsPerDepth - begin, 8 * reach);
-        if (!(leave > 0)) return std::nullopt;
-        const glm::dvec3 from = origin + direction * begin;
-        return TubeRay{{{float(from.x), float(from.y), float(from.z)},
-                        {float(direction.x), float(direction.y), float(direction.z)},
-                        float(leave),
-                        float(mParams.leastTransmittance)},
-                       glm::normalize(pixel.direction),
-                       begin / unitsPerDepth,
-                       1 / unitsPerDepth};
+        const float weight = left * tube.alpha;
+        layers.samples += 1;
+        color += tube.color * ((1 - tube.far) * weight);
+        far += tube.far * weight;
+        layers.depth += tube.depth * weight;
+        layers.driver += tube.driver * weight;
+        layers.texture += tube.texture * weight;
+        layers.normal += tube.normal * weight;
+        left -= weight;
     }
-
-    VDBLIC_KERNEL void trace(TubeRay& ray) const
-    {
-        TubeTree::Hit hits[TubeTree::kMostHits];
-        int count = mTree.nearest(ray.line, nullptr, ray.left, hits);
-        while (count > 0) {
-            blend(hits, count, ray);
-            if (count < TubeTree::kMostHits || ray.left < ray.line.leastTransmittance) return;
-            const TubeTree::Hit last = hits[count - 1];
-            count = mTree.nearest(ray.line, &last, ray.left, hits);
-        }
-    }
-
-  private:
-    /// Blend the tubes at the hits behind the ray's accumulated colour.
-    VDBLIC_INLINE void blend(const TubeTree::Hit* hits, int count, TubeRay& ray) const
-    {
-        static_assert(TubeTree::kMostHits == kLanes);
-        const bool hasColors = !mTubes.colors().empty();
-        Float8 driver{}, value{}, opacity{}, distance{}, normal[3] = {};
-        for (int i = 0; i < count; ++i) {
-            const std::uint32_t first = mTubes.cones()[hits[i].cone].first;
-            driver[i] = Tubes::valueAt(mTubes.drivers(), first, hits[i].share);
-            if (hasColors) value[i] = Tubes::valueAt(mTubes.colors(), first, hits[i].share);
-            opacity[i] = Tubes::valueAt(mTubes.opacities(), first, hits[i].share);
-            distance[i] = hits[i].distance;
-            for (int axis = 0; axis < 3; ++axis)
-                normal[axis][i] = hits[i].normal[axis];
-        }
-        const Int8 entry = hasColors ? mLook.transfer.colorEntries(value) : mLook.transfer.entries(driver);
-        Light light{broadcast8(1), Float8{}};
-        if (mLook.shading.model != ShadingModel::kNone) {
-            const Float8 view[] = {broadcast8(float(ray.direction.x)), broadcast8(float(ray.direction.y)),
-                                   broadcast8(float(ray.direction.z))};
-            light = mLighting.surface(normal, view);
-        }
-        const Float8 depth = float(ray.begin) + float(ray.depthPerUnit) * distance;
-        const Float8 far = mCue.share(depth);
-        if (mLight) {
-            const Float8 arriving = arrivingLight(ray, distance, normal);
-            light = {light.lit * arriving, light.white * arriving};
-        }
-        for (int i = 0; i < count; ++i) {
-            const float weight = ray.left * hits[i].alpha;
-            ray.layers.samples += 1;
-            const TransferFunction::Entry& shown = mLook.transfer.table()[entry[i]];
-            const glm::vec3 seen = glm::vec3(shown.red, shown.green, shown.blue) * light.lit[i] + light.white[i];
-            ray.color += seen * ((1 - far[i]) * weight);
-            ray.far += far[i] * weight;
-            ray.layers.depth += depth[i] * weight;
-            ray.layers.driver += (hasColors ? value[i] : driver[i]) * weight;
-            ray.layers.texture += opacity[i] * weight;
-            ray.layers.normal += glm::vec3(normal[0][i], normal[1][i], normal[2][i]) * weight;
-            ray.left -= weight;
-        }
-    }
-
-    /// Factors on the light, of the cell in front of each surface.
-    VDBLIC_INLINE Float8 arrivingLight(const TubeRay& ray, Float8 distance, const Float8* normal) const
-    {
-        constexpr float kOutward = 0.5f; // cells
-        const float outward = kOutward * float(mLight->cell()) * float(mTubes.voxelSize() * mTubes.unitsPerWorld());
-        Float8 at[3], position[3];
-        for (int axis = 0; axis < 3; ++axis)
-            at[axis] = ray.line.origin[axis] + ray.line.direction[axis] * distance + outward * normal[axis];
-        for (int axis = 0; axis < 3; ++axis) {
-            position[axis] = float(mToIndex[0][axis]) * at[0] + float(mToIndex[1][axis]) * at[1] +
-                             float(mToIndex[2][axis]) * at[2] + float(mToIndex[3][axis]);
-        }
-        return mLight->at(position);
-    }
-
-    const TubeTree& mTree;
-    const Tubes& mTubes;
-    const Look& mLook;
-    const RayCastParams& mParams;
-    const LightGrid* mLight;
-    std::vector<ClipPlane> mCuts;
-    Lighting mLighting;
-    DepthCue mCue;
-    glm::dmat4 mToTubes, mToIndex;
 };
 
-PixelLayers layersOf(const TubeRay& ray)
+PixelLayers layersOf(const TubeSum& sum)
 {
     PixelLayers layers;
-    layers.samples = ray.layers.samples;
-    const float alpha = 1 - ray.left;
+    layers.samples = sum.layers.samples;
+    const float alpha = 1 - sum.left;
     if (!(alpha > 0)) return layers;
-    layers.depth = ray.layers.depth / alpha;
-    layers.driver = ray.layers.driver / alpha;
-    layers.texture = ray.layers.texture / alpha;
-    if (const float length = glm::length(ray.layers.normal); length > 0) layers.normal = ray.layers.normal / length;
+    layers.depth = sum.layers.depth / alpha;
+    layers.driver = sum.layers.driver / alpha;
+    layers.texture = sum.layers.texture / alpha;
+    if (const float length = glm::length(sum.layers.normal); length > 0) layers.normal = sum.layers.normal / length;
     return layers;
 }
 
 } // namespace
+
+TubeCaster::TubeCaster(const TubeTree& tree, const Look& look, const Camera& camera, const RayCastParams& params,
+                       const PlacedBox& box, const LightGrid* light)
+    : mTree(tree), mTubes(tree.tubes()), mLook(look), mLight(light),
+      mLeastTransmittance(float(params.leastTransmittance)), mVoxel(box.voxelSize() * mTubes.unitsPerWorld()),
+      mCuts(params.clip.allPlanes()), mLighting(look.shading), mCue(box, look, camera), mToTubes(mTubes.worldToTubes()),
+      mToLight(box.worldToIndex() * glm::inverse(mTubes.worldToTubes()))
+{
+}
+
+/// The ray through a pixel; nullopt if it is cut away.
+std::optional<TubeCaster::Ray> TubeCaster::rayOf(const PixelRays::Line& pixel, double end) const
+{
+    const DepthSpan span(pixel, end, mCuts);
+    if (!(span.enter < span.leave)) return std::nullopt;
+    const glm::dvec3 origin(mToTubes * glm::dvec4(pixel.origin, 1));
+    const glm::dvec3 along = glm::dmat3(mToTubes) * pixel.direction;
+    const double unitsPerDepth = glm::length(along);
+    const glm::dvec3 direction = along / unitsPerDepth;
+    // From the point next to the middle of the box, so that single precision serves.
+    const double reach = glm::length(glm::dvec3(mToTubes * glm::dvec4(mTubes.corners().front(), 1)));
+    const double begin = std::max(span.enter * unitsPerDepth, -glm::dot(origin, direction) - 2 * reach);
+    const double leave = std::min(span.leave * unitsPerDepth - begin, 8 * reach);
+    if (!(leave > 0)) return std::nullopt;
+    const glm::dvec3 from = origin + direction * begin;
+    return Ray{{{float(from.x), float(from.y), float(from.z)},
+                {float(direction.x), float(direction.y), float(direction.z)},
+                float(leave),
+                mLeastTransmittance},
+               glm::vec3(glm::normalize(pixel.direction)),
+               begin / unitsPerDepth,
+               1 / unitsPerDepth};
+}
+
+VDBLIC_KERNEL
+void TubeCaster::light(const Ray& ray, const TubeTree::Hit* hits, int count, SeenTube* seen) const
+{
+    static_assert(TubeTree::kMostHits == kLanes);
+    const bool hasColors = !mTubes.colors().empty();
+    Float8 driver{}, value{}, opacity{}, distance{}, normal[3] = {};
+    for (int i = 0; i < count; ++i) {
+        const std::uint32_t first = mTubes.cones()[hits[i].cone].first;
+        driver[i] = Tubes::valueAt(mTubes.drivers(), first, hits[i].share);
+        if (hasColors) value[i] = Tubes::valueAt(mTubes.colors(), first, hits[i].share);
+        opacity[i] = Tubes::valueAt(mTubes.opacities(), first, hits[i].share);
+        distance[i] = hits[i].distance;
+        for (int axis = 0; axis < 3; ++axis)
+            normal[axis][i] = hits[i].normal[axis];
+    }
+    const Int8 entry = hasColors ? mLook.transfer.colorEntries(value) : mLook.transfer.entries(driver);
+    Light light{broadcast8(1), Float8{}};
+    if (mLook.shading.model != ShadingModel::kNone) {
+        const Float8 view[] = {broadcast8(ray.direction.x), broadcast8(ray.direction.y), broadcast8(ray.direction.z)};
+        light = mLighting.surface(normal, view);
+    }
+    const Float8 depth = float(ray.begin) + float(ray.depthPerUnit) * distance;
+    const Float8 far = mCue.share(depth);
+    if (mLight) {
+        const Float8 arriving = arrivingLight(ray, distance, normal);
+        light = {light.lit * arriving, light.white * arriving};
+    }
+    for (int i = 0; i < count; ++i) {
+        const TransferFunction::Entry& shown = mLook.transfer.table()[entry[i]];
+        seen[i] = {.alpha = hits[i].alpha,
+                   .color = glm::vec3(shown.red, shown.green, shown.blue) * light.lit[i] + light.white[i],
+                   .far = far[i],
+                   .depth = depth[i],
+                   .driver = hasColors ? value[i] : driver[i],
+                   .texture = opacity[i],
+                   .normal = glm::vec3(normal[0][i], normal[1][i], normal[2][i])};
+    }
+}
+
+/// Factors on the light, of the cell in front of each surface.
+VDBLIC_INLINE Float8 TubeCaster::arrivingLight(const Ray& ray, Float8 distance, const Float8* normal) const
+{
+    constexpr float kOutward = 0.5f; // cells
+    const float outward = kOutward * float(mLight->cell()) * float(mVoxel);
+    Float8 at[3], position[3];
+    for (int axis = 0; axis < 3; ++axis)
+        at[axis] = ray.line.origin[axis] + ray.line.direction[axis] * distance + outward * normal[axis];
+    for (int axis = 0; axis < 3; ++axis) {
+        position[axis] = float(mToLight[0][axis]) * at[0] + float(mToLight[1][axis]) * at[1] +
+                         float(mToLight[2][axis]) * at[2] + float(mToLight[3][axis]);
+    }
+    return mLight->at(position);
+}
 
 Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, const RayCastParams& params, int ray,
                 const Scenery& scenery, const std::uint8_t* only, const std::stop_token& stop)
@@ -195,7 +174,7 @@ Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, co
     if (params.layers) image.layers.resize(image.pixels.size());
     const std::optional<SurfacePicture> surfaces = castSurfaces(scenery, tree.tubes(), look, camera, ray);
     const std::vector<glm::vec3> background = look.backgroundRows(size.y);
-    const Caster caster(tree, look, camera, params, scenery.light);
+    const TubeCaster caster(tree, look, camera, params, tree.tubes(), scenery.light);
     const PixelRays rays(camera, ray);
     constexpr int kTile = 16;
     const PictureArea area = camera.area();
@@ -208,11 +187,10 @@ Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, co
                 const std::size_t pixel = std::size_t(y) * std::size_t(size.x) + std::size_t(x);
                 if (only && !only[pixel]) continue;
                 const double end = surfaces ? double(surfaces->depths[pixel]) : std::numeric_limits<double>::infinity();
-                std::optional<TubeRay> way = caster.rayOf(rays.at(x, y), end);
-                if (!way) continue;
-                caster.trace(*way);
-                image.pixels[pixel] = glm::vec4(way->color + background[std::size_t(y)] * way->far, 1 - way->left);
-                if (params.layers) image.layers[pixel] = layersOf(*way);
+                TubeSum sum;
+                caster.trace(rays.at(x, y), end, [&](const SeenTube& tube) { sum.add(tube); });
+                image.pixels[pixel] = glm::vec4(sum.color + background[std::size_t(y)] * sum.far, 1 - sum.left);
+                if (params.layers) image.layers[pixel] = layersOf(sum);
             }
         }
     });

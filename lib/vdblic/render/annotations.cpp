@@ -123,7 +123,9 @@ double drawColorBars(const CairoCanvas& canvas, Labels& labels, const Annotation
 {
     const bool one = content.colorBy == content.opacityBy && transfer.range() == transfer.opacityRange() &&
                      transfer.colorAxis().scale == transfer.opacityAxis().scale;
-    const double height = size.y * (one ? 0.4 : 0.3), right = size.x - kMargin * textSize;
+    const bool hasLines = content.lines.look && content.lines.opacityBy != content.colorBy;
+    const double height = size.y * (one && !hasLines ? 0.4 : one || !hasLines ? 0.3 : 0.2);
+    const double right = size.x - kMargin * textSize;
     const double top = kBarTop * textSize;
     const ScaleName name{content.colorBy,
                          scalarUnit(content.colorBy, either(transfer.params().unit, content.colorUnit))};
@@ -134,18 +136,22 @@ double drawColorBars(const CairoCanvas& canvas, Labels& labels, const Annotation
     } else {
         end = drawLegend(canvas, {right, top}, textSize, scalarTitle(name.name, name.unit), transfer, ink);
     }
-    if (one) return end;
-    // Opacity as ink on the picture: full where a voxel is most opaque.
-    double most = 1e-9;
-    for (int i = 0; i <= 64; ++i)
-        most = std::max(most, transfer.opacityAt(i / 64.0));
-    drawScale(
-        canvas, labels, {right, end + 3 * textSize}, height, textSize, transfer.opacityAxis(),
-        {content.opacityBy, scalarUnit(content.opacityBy, either(transfer.params().opacityUnit, content.opacityUnit))},
-        ink, [&](double share) { canvas.setColor(ink, transfer.opacityAt(share) / most); });
-    const double bottom = end + height + 4.4 * textSize;
-    canvas.drawText({right, bottom}, 1, "opacity");
-    return bottom;
+    const auto drawOpacity = [&](const TransferFunction& of, const std::string& by, const std::string& unit,
+                                 const char* what) {
+        // As ink on the picture: full where a voxel is most opaque.
+        double most = 1e-9;
+        for (int i = 0; i <= 64; ++i)
+            most = std::max(most, of.opacityAt(i / 64.0));
+        drawScale(canvas, labels, {right, end + 3 * textSize}, height, textSize, of.opacityAxis(),
+                  {by, scalarUnit(by, either(of.params().opacityUnit, unit))}, ink,
+                  [&](double share) { canvas.setColor(ink, of.opacityAt(share) / most); });
+        end += height + 4.4 * textSize;
+        canvas.drawText({right, end}, 1, what);
+    };
+    if (!one) drawOpacity(transfer, content.opacityBy, content.opacityUnit, "opacity");
+    if (hasLines)
+        drawOpacity(content.lines.look->transfer, content.lines.opacityBy, content.lines.opacityUnit, "line opacity");
+    return end;
 }
 
 /// Cairo's drawing in linear light, premultiplied.

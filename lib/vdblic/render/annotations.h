@@ -27,6 +27,12 @@ struct AnnotationContent {
     std::string colorUnit{}, opacityUnit{}; ///< of the grids; empty: unknown
     std::string lengthUnit{};               ///< of the world, the same
     bool isGeographic = false;              ///< whether x, y and z are east, north and up
+    /// Of the lines in a volume.
+    struct OfLines {
+        const Look* look = nullptr; ///< null: there are none
+        std::string opacityBy{}, opacityUnit{};
+    };
+    OfLines lines{};
 };
 
 /// The points of a picture's subject, and room beside them for axes and colour bars.

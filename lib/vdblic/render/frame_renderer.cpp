@@ -73,7 +73,8 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
         return result;
     }
     Picture picture(plan, *view,
-                    std::make_shared<const ShownVolume>(plan, view->look, loaded, solidOf(*loaded, frame), mExchange),
+                    std::make_shared<const ShownVolume>(plan, view->look, loaded, solidOf(*loaded, frame), mExchange,
+                                                        view->lines ? &view->lines->look : nullptr),
                     share ? &share->picture : nullptr);
     for (int sample = 0; sample < plan.samples; ++sample) {
         mReporter.checkStop();

@@ -4,6 +4,7 @@
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/resample.h"
+#include "vdblic/io/frame_pattern.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
@@ -22,6 +23,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -158,7 +160,13 @@ void LoadedTexture::addTo(TextureHistograms& histograms) const
 
 double LoadedTexture::bytes() const
 {
-    return tubes ? tubes->bytes() : double(volume->leafCount()) * (kLeafBytes + volume->bytesPerLeaf());
+    const double own = tubes ? tubes->bytes() : double(volume->leafCount()) * (kLeafBytes + volume->bytesPerLeaf());
+    return own + (lines ? lines->bytes() : 0);
+}
+
+std::filesystem::path linesFile(const PicturePlan& plan, std::int64_t frame)
+{
+    return FramePattern(plan.lines).path(frame);
 }
 
 double bytesPerVoxel(const PicturePlan& plan)
@@ -209,16 +217,18 @@ std::string unitOf(const VdbFile& file, const std::string& scalar, const std::st
     return grid ? unitOf(*grid, lengthUnit) : "";
 }
 
+/// @param chosenOpacity scalar that opacity follows in all frames; empty: not chosen yet
 LoadedTexture loadLines(const PicturePlan& plan, const VdbFile& file, const openvdb::GridBase& grid,
-                        const FrameFile& frame, const View* view)
+                        const FrameFile& frame, const std::string& chosenOpacity)
 {
     const Lines lines = linesOf(grid);
     std::vector<std::string> opacityBy = plan.opacityBy;
-    if (view && !opacityBy.empty()) opacityBy = {view->opacityBy};
+    if (!chosenOpacity.empty() && !opacityBy.empty()) opacityBy = {chosenOpacity};
     const std::string driver = opacityBy.empty() ? plan.colorBy : chosenScalar(lines, opacityBy);
     const bool two = driver != plan.colorBy || !plan.look.transfer.sharesRange();
-    Tubes::Values values{scalarOf(lines, driver, file, opacityBy.empty() ? "`by`" : "`opacity_by`"), {}};
+    Tubes::Values values;
     if (two) values.color = scalarOf(lines, plan.colorBy, file, "`color_by`");
+    values.driver = scalarOf(lines, driver, file, opacityBy.empty() ? "`by`" : "`opacity_by`");
     std::optional<FrameDomain> region;
     if (!plan.region.empty() || plan.regionBox) {
         const auto voxels = std::make_shared<openvdb::MaskTree>();
@@ -245,6 +255,41 @@ LoadedTexture loadLines(const PicturePlan& plan, const VdbFile& file, const open
         .kinds = std::move(kinds),
         .isSparse = true,
         .flowVoxels = file.find<openvdb::FloatGrid>(kSpeedGrid)};
+}
+
+/// The lines of a file, if it has any. @throws InputError naming it
+std::optional<LoadedTexture> linesIn(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame,
+                                     const std::string& chosenOpacity)
+{
+    const auto lines = file.find<openvdb::points::PointDataGrid>(textureName(file.metadata, plan.texture));
+    if (!lines) return std::nullopt;
+    try {
+        return loadLines(plan, file, *lines, frame, chosenOpacity);
+    } catch (const InputError& error) {
+        const std::string path = frame.path.string();
+        const bool isNamed = std::string_view(error.what()).starts_with(path);
+        throw isNamed ? error : InputError(fmt::format("{}: {}", path, error.what()));
+    }
+}
+
+/// The lines that are drawn in a frame's voxels. @throws InputError naming their file
+std::shared_ptr<const LoadedTexture> linesBeside(const PicturePlan& plan, const FrameFile& frame, const View* view)
+{
+    const FrameFile file{frame.frame, linesFile(plan, frame.frame)};
+    const std::string path = file.path.string();
+    if (!std::filesystem::exists(file.path)) {
+        throw InputError(fmt::format("{}: the lines of frame {} are missing; make them with vdblic_advect --method "
+                                     "streaks --draw lines, or leave the frame out with `frames`",
+                                     path, frame.frame));
+    }
+    const std::string chosen = view && view->lines ? view->lines->opacityBy : "";
+    auto lines = linesIn(planOfLines(plan), readVdb(file.path), file, chosen);
+    if (!lines) {
+        throw InputError(fmt::format("{}: holds no lines for `lines`; make them with vdblic_advect --method streaks "
+                                     "--draw lines",
+                                     path));
+    }
+    return std::make_shared<const LoadedTexture>(std::move(*lines));
 }
 
 /// Whether a file is shown by its lines.
@@ -284,14 +329,10 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
                         const LeafShare* share)
 {
     const std::string name = textureName(file.metadata, plan.texture);
-    if (const auto lines = file.find<openvdb::points::PointDataGrid>(name)) {
-        try {
-            return loadLines(plan, file, *lines, frame, view);
-        } catch (const InputError& error) {
-            const std::string path = frame.path.string();
-            const bool isNamed = std::string_view(error.what()).starts_with(path);
-            throw isNamed ? error : InputError(fmt::format("{}: {}", path, error.what()));
-        }
+    if (auto lines = linesIn(plan, file, frame, view ? view->opacityBy : "")) {
+        if (plan.lines.empty()) return std::move(*lines);
+        throw InputError(
+            fmt::format("{}: holds lines itself; `lines` are drawn in a texture of voxels", frame.path.string()));
     }
     const auto texture = textureOf(file, name);
     std::vector<std::string> opacityBy = plan.opacityBy;
@@ -301,6 +342,7 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
         throw missingScalar(file, {plan.colorBy}, opacityBy.empty() ? "`by`" : "`color_by`");
     const auto storedOpacity = opacityBy.empty() ? storedColor : findScalar(file, opacityBy);
     if (!storedOpacity && !opacityBy.empty()) throw missingScalar(file, opacityBy, "`opacity_by`");
+    const auto lines = plan.lines.empty() ? nullptr : linesBeside(plan, frame, view);
     try {
         const bool isSparse = vdblic::isSparse(file.metadata);
         const auto usable = [&](const openvdb::FloatGrid::Ptr& grid) {
@@ -329,6 +371,7 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
                              .opacityUnit = unitOf(*opacity, lengthUnit),
                              .lengthUnit = lengthUnit,
                              .isSparse = isSparse,
+                             .lines = lines,
                              .flowVoxels = isSparse ? flowVoxelsOf(file, storedColor) : nullptr};
         if (color->getName() == kSourceGrid) loaded.kinds = kindsOf(file.metadata);
         if (opacity != color || !plan.look.transfer.sharesRange()) loaded.volume->addColors(*texture, *color);

@@ -9,6 +9,9 @@
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,12 +37,16 @@ struct LoadedTexture {
     std::string colorUnit{}, opacityUnit{}, lengthUnit{}; ///< of the scalars and of the world; empty: unknown
     std::vector<std::string> kinds{};                     ///< as TransferParams has them, where sources colour
     bool isSparse = false;                                ///< whether inactive voxels are empty
+    std::shared_ptr<const LoadedTexture> lines{};         ///< drawn in the voxels; or null
     openvdb::FloatGrid::Ptr flowVoxels{}; ///< of a sparse texture or lines: a grid whose active voxels are the flow's
 
     [[nodiscard]] bool empty() const { return tubes ? tubes->empty() : volume->empty(); }
     [[nodiscard]] const PlacedBox& box() const { return tubes ? static_cast<const PlacedBox&>(*tubes) : *volume; }
-    /// Voxels, or parts of lines, that are left out because a value is not a finite number.
-    [[nodiscard]] std::size_t unusable() const { return tubes ? tubes->unusable() : volume->unusableVoxels(); }
+    /// Voxels and parts of lines that are left out because a value is not a finite number.
+    [[nodiscard]] std::size_t unusable() const
+    {
+        return (tubes ? tubes->unusable() : volume->unusableVoxels()) + (lines ? lines->unusable() : 0);
+    }
 
     /// A grid whose active voxels are the flow's, fine enough for the faces of solids.
     /// @throws InputError naming the file if lines come without one
@@ -50,6 +57,9 @@ struct LoadedTexture {
 
     [[nodiscard]] double bytes() const; ///< estimated memory
 };
+
+/// The file of the lines in a frame's voxels. @param plan with lines
+[[nodiscard]] std::filesystem::path linesFile(const PicturePlan& plan, std::int64_t frame);
 
 /// Estimated memory of a voxel of a frame [bytes].
 [[nodiscard]] double bytesPerVoxel(const PicturePlan& plan);

@@ -124,6 +124,7 @@ ImageHeader imageHeader(const PicturePlan& plan, const Look& look, const Camera&
         const Words words = parameter.get();
         if (!name.empty() && !words.empty()) attributes.emplace_back(name, valueOf(parameter, words));
     }
+    if (!plan.lines.empty()) attributes.emplace_back("lines", std::filesystem::path(plan.lines).filename().string());
     // Values that no option sets.
     const TransferParams& transfer = all.look.transfer;
     if (!transfer.unit.empty()) attributes.emplace_back("unit", transfer.unit);
@@ -172,11 +173,13 @@ Picture::Picture(const PicturePlan& plan, const View& view, std::shared_ptr<cons
     const Scenery scenery{.solid = solid,
                           .solidColor = glm::vec3(linearFromDisplay(plan.solidColor)),
                           .light = mLight ? &*mLight : nullptr,
-                          .ground = mGround ? &*mGround : nullptr};
+                          .ground = mGround ? &*mGround : nullptr,
+                          .tubes = frame.lines ? mShown->tree() : nullptr,
+                          .tubesLook = view.lines ? &view.lines->look : nullptr};
     const auto cast = [&frame, &look, visible = mShown->visible(), tree = mShown->tree(), this,
                        scenery](const Camera& camera, int ray, const std::uint8_t* only, const std::stop_token& stop) {
-        return tree ? castTubes(*tree, look, camera, mRays, ray, scenery, only, stop)
-                    : castRays(*frame.volume, look, camera, mRays, *visible, ray, scenery, only, stop);
+        return visible ? castRays(*frame.volume, look, camera, mRays, *visible, ray, scenery, only, stop)
+                       : castTubes(*tree, look, camera, mRays, ray, scenery, only, stop);
     };
     mSum.emplace(cast, share ? mCamera.cropped(share->area()) : mCamera);
 }
@@ -192,6 +195,8 @@ Image Picture::image() const
         };
         FrameClock clock = frame.clock;
         clock.longest = mView.longest;
+        AnnotationContent::OfLines lines;
+        if (frame.lines && mView.lines) lines = {&mView.lines->look, mView.lines->opacityBy, frame.lines->opacityUnit};
         const AnnotationContent content{mView.box,
                                         mPlan.stretch,
                                         shown(mPlan.colorBy),
@@ -202,7 +207,8 @@ Image Picture::image() const
                                         frame.colorUnit,
                                         frame.opacityUnit,
                                         frame.lengthUnit,
-                                        isGeographic(clock, frame.lengthUnit, mPlan.stretch)};
+                                        isGeographic(clock, frame.lengthUnit, mPlan.stretch),
+                                        std::move(lines)};
         annotate(image, mPlan.annotations, content, mView.look, mCamera, mPlan.background.at(0.5));
     }
     return image;

@@ -115,6 +115,11 @@ Parameters parametersOf(RenderParams& params)
                   "left out with a film, a histogram or a transfer function to write.",
                   to.images, {.option = "-o,--output"}),
         skipExistingParameter(to.skipExisting),
+        parameter("lines",
+                  "Streaks drawn as tubes in a texture of voxels: one file of vdblic_advect --method streaks, or a "
+                  "pattern with the texture's frame numbers. Colours are the texture's; opacity follows q or vorticity "
+                  "where the lines carry it.",
+                  params.picture.lines, {.words = "FILE"}),
         parameter("keep_going", "Leave out frames that cannot be read; the exit status tells at the end.",
                   params.keepGoing),
         parameter("histogram", "Histograms of texture and scalars with the transfer function over them, .png or .json.",
@@ -161,6 +166,7 @@ void PictureParams::validate() const
     checkLimits(parametersOf(copy));
     camera.validate();
     motion.validate();
+    if (!lines.empty()) (void)FramePattern(lines);
     if (!solid.empty() && solid != "domain") (void)FramePattern(parseGridReference(solid).path.string());
     rays.validate();
     if (regionBox) {
@@ -180,10 +186,12 @@ double PictureSettings::imageBytes() const
     const double layerBytes = rays.layers ? 2 * sizeof(PixelLayers) : 0;
     const bool hasSurface = !solid.empty() || ground != GroundSide::kNone;
     const double surfaceBytes = hasSurface ? sizeof(float) + sizeof(glm::vec4) + sizeof(glm::vec3) : 0;
+    const double partBytes = lines.empty() ? 0 : 2 * sizeof(float) + 1;
     // Two drawings of 32 bits, and both in linear light.
     const double annotationBytes = annotations.any() ? 2 * (sizeof(float) + sizeof(glm::vec4)) : 0;
     constexpr double kDisplayed = 3; // bytes
-    const double perPixel = sizeof(glm::vec4) * 4 + layerBytes + surfaceBytes + annotationBytes + kDisplayed;
+    const double perPixel =
+        sizeof(glm::vec4) * 4 + layerBytes + surfaceBytes + partBytes + annotationBytes + kDisplayed;
     return double(size.x) * size.y * perPixel;
 }
 

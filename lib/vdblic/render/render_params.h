@@ -30,6 +30,8 @@ struct PictureSettings {
     std::string region;  ///< FILE or FILE:GRID whose active voxels alone are shown; empty: all
     /// Lower and upper corner in world space: only voxels with their centre inside are shown.
     std::optional<std::array<double, 6>> regionBox{};
+    /// Streaks as lines that are drawn in the texture: one file, or a pattern with the frames' numbers; empty: none
+    std::string lines;
     std::string solid;                      ///< opaque body, as makeSolid() reads it (cast/solid.h); empty: none
     glm::dvec3 solidColor{0.7, 0.72, 0.75}; ///< as displayed
     bool earth = false;                     ///< whether the solid is the Earth, as EarthMap draws it

@@ -89,11 +89,31 @@ PicturePlan resolve(const PictureParams& params, const SequenceTraits& sequence)
                      look.background, params.colorBy,       std::move(opacityBy)};
     if (plan.colorBy.empty()) plan.colorBy = params.by.empty() ? kSpeedGrid : params.by;
     if (plan.texture.empty()) plan.texture = sequence.texture;
+    constexpr double kSeenThrough = 4; // so that lines inside are seen
+    if (!plan.lines.empty()) plan.look.opticalDepth /= kSeenThrough;
     if (!params.cameraFile.empty()) plan.motion.keys = keysOf(params.cameraFile, params.camera);
     plan.motion.validate();
     if (plan.motion.orbit != 0 && !plan.motion.orbitFrames && !sequence.isNumbered)
         throw ParameterError("how many frames the orbit takes must be given, since the input does not tell");
     return plan;
+}
+
+PicturePlan planOfLines(const PicturePlan& plan)
+{
+    PicturePlan lines = plan;
+    lines.lines.clear();
+    lines.texture.clear();
+    lines.region.clear();
+    lines.regionBox.reset();
+    lines.look.opticalDepth = lookPreset(defaultLookName(/*isSparse=*/true)).look.opticalDepth;
+    TransferParams& transfer = lines.look.transfer;
+    transfer.opacity.clear();
+    transfer.opacityRange.reset();
+    transfer.opacityScale.reset();
+    for (const char* const name : {"q", "vorticity", plan.colorBy.c_str()}) {
+        if (!std::ranges::count(lines.opacityBy, name)) lines.opacityBy.emplace_back(name);
+    }
+    return lines;
 }
 
 RenderPlan resolve(const RenderParams& params)

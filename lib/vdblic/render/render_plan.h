@@ -32,6 +32,10 @@ struct PicturePlan : PictureSettings {
     [[nodiscard]] PictureParams params() const;
 };
 
+/// The settings for the lines in a texture: its colours and light, and an opacity of their own, which follows the grid
+/// that `opacity_by` names, else `q`, else `vorticity`, else the grid that colours. Regions do not cut lines.
+[[nodiscard]] PicturePlan planOfLines(const PicturePlan& plan);
+
 /// How a sequence of textures becomes a sequence of images.
 struct RenderPlan {
     SequenceParams input;

@@ -51,8 +51,10 @@ InputFiles inputsOf(const RenderPlan& plan, const std::vector<FrameFile>& files)
         for (const FrameFile& file : files)
             inputs.add(FramePattern(path).path(file.frame));
     }
-    for (const FrameFile& file : files)
+    for (const FrameFile& file : files) {
         inputs.add(file.path);
+        if (!plan.picture.lines.empty()) inputs.add(linesFile(plan.picture, file.frame));
+    }
     return inputs;
 }
 

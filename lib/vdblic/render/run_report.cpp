@@ -104,6 +104,12 @@ void RunReport::describe(const View& view, std::int64_t frame, const Exchange& e
                                  nameOf(transfer.colorAxis().scale), view.opacityBy, transfer.opacityRange()[0],
                                  transfer.opacityRange()[1], nameOf(transfer.opacityAxis().scale),
                                  opacityText(transfer.opacity()), look.texture.low, look.texture.high, look.exposure));
+    if (view.lines) {
+        const TransferFunction& lines = view.lines->look.transfer;
+        mReporter.say(fmt::format("lines: colours of {} {:.4g} to {:.4g}, opacity by {} {:.4g} to {:.4g}",
+                                  mPlan.picture.colorBy, lines.range()[0], lines.range()[1], view.lines->opacityBy,
+                                  lines.opacityRange()[0], lines.opacityRange()[1]));
+    }
     const std::string which = exchange.isAlone() ? fmt::format("{} frames at once", framesInFlight(view.frameBytes))
                                                  : fmt::format("each frame by {} ranks", exchange.size());
     mReporter.detail(fmt::format("{}, about {:.0f} MB each", which, view.frameBytes / 1e6));
@@ -112,6 +118,8 @@ void RunReport::describe(const View& view, std::int64_t frame, const Exchange& e
 void RunReport::finish(const View* view)
 {
     warnOfNothing(view);
+    if (view && !view->lines && !mPlan.picture.lines.empty())
+        mReporter.warn(fmt::format("{}: no frame has a line to show; the texture is drawn alone", mPlan.picture.lines));
     if (!mPlan.outputs.histogram.empty()) writeHistogram(view);
     if (mPlan.outputs.skipExisting) mReporter.say(fmt::format("{} of {} images were there already", mSkipped, mDone));
     if (mLeftOut == 0) return;

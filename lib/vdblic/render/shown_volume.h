@@ -27,15 +27,16 @@ class ShownVolume {
   public:
     /// @param look  of the pictures
     /// @param solid or null
+    /// @param linesLook of the lines in the voxels; null: they are not drawn
     /// @param exchange of the ranks that cast pictures together, for which the frame was loaded: collective
     ShownVolume(const PicturePlan& plan, const Look& look, std::shared_ptr<const LoadedTexture> frame,
-                std::shared_ptr<const Solid> solid, Exchange& exchange);
+                std::shared_ptr<const Solid> solid, Exchange& exchange, const Look* linesLook = nullptr);
 
     [[nodiscard]] const LoadedTexture& frame() const { return *mFrame; }
     [[nodiscard]] const Solid* solid() const { return mSolid.get(); }
     /// Of voxels; null for lines.
     [[nodiscard]] const VisibleSpace* visible() const { return mVisible ? &*mVisible : nullptr; }
-    /// Of lines; null for voxels.
+    /// Of lines, also in voxels; or null.
     [[nodiscard]] const TubeTree* tree() const { return mTree ? &*mTree : nullptr; }
     /// Null if the look has neither shadows nor occlusion, and there is no ground.
     [[nodiscard]] const ExtinctionGrid* extinctions() const { return mExtinctions ? &*mExtinctions : nullptr; }

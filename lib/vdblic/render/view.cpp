@@ -24,6 +24,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <utility>
 
 namespace vdblic {
@@ -103,6 +105,38 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
     return points;
 }
 
+/// Looks of voxels and of the lines in them.
+struct Looks {
+    Look voxels;
+    std::optional<View::OfLines> lines{};
+};
+
+/// Choose both, with one range of colours over the values of both.
+/// @param basis of the voxels
+Looks chooseLooks(const PicturePlan& plan, const LookBasis& basis,
+                  std::span<const std::shared_ptr<const LoadedTexture>> frames)
+{
+    Looks looks{basis.choose(plan)};
+    LookBasis ofLines;
+    OneProcess alone; // each rank has all lines
+    bool isColored = true;
+    for (const auto& frame : frames) {
+        if (frame->lines && !frame->lines->empty()) ofLines.add(*frame->lines, alone);
+        isColored = isColored && frame->hasColor;
+    }
+    if (ofLines.first.empty()) return looks;
+    PicturePlan lines = planOfLines(plan);
+    if (isColored && !plan.look.transfer.range) {
+        const auto &a = looks.voxels.transfer.range(), b = ofLines.choose(lines).transfer.range();
+        PicturePlan both = plan;
+        both.look.transfer.range = {std::min(a[0], b[0]), std::max(a[1], b[1])};
+        looks.voxels = basis.choose(both);
+    }
+    if (isColored) lines.look.transfer.range = looks.voxels.transfer.range();
+    looks.lines = View::OfLines{ofLines.choose(lines), ofLines.opacityBy};
+    return looks;
+}
+
 /// World-space points around the visible part of a frame.
 std::vector<glm::dvec3> visiblePoints(const LoadedTexture& frame, const Look& look, const ClipParams& clip,
                                       Exchange& exchange)
@@ -124,7 +158,7 @@ void addOnGround(const PicturePlan& plan, const Corners& box, std::vector<glm::d
 
 std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
                                   std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                  Exchange& exchange)
+                                  Exchange& exchange, const Look* lines)
 {
     std::vector<glm::dvec3> subject;
     if (plan.camera.eye && plan.camera.projection == Projection::kPerspective) return subject;
@@ -136,6 +170,9 @@ std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
         for (const auto& frame : frames) {
             const auto more = visiblePoints(*frame, look, plan.rays.clip.stretched(plan.stretch), exchange);
             subject.insert(subject.end(), more.begin(), more.end());
+            if (!frame->lines || !lines) continue;
+            const auto ofLines = visiblePoints(*frame->lines, *lines, plan.rays.clip.stretched(plan.stretch), exchange);
+            subject.insert(subject.end(), ofLines.begin(), ofLines.end());
         }
         if (plan.ground != GroundSide::kNone) addOnGround(plan, box, subject);
     }
@@ -150,11 +187,11 @@ View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const L
     LookBasis basis;
     for (const auto& frame : frames)
         basis.add(*frame, exchange);
-    Look look = basis.choose(plan);
-    std::vector<glm::dvec3> subject = subjectOf(plan, look, frames, box, exchange);
+    auto [look, lines] = chooseLooks(plan, basis, frames);
+    std::vector<glm::dvec3> subject = subjectOf(plan, look, frames, box, exchange, lines ? &lines->look : nullptr);
     const CameraPath cameras(plan.camera, plan.motion, box, plan.size, span, std::move(subject));
-    return {std::move(look), basis.opacityBy, cameras, box, basis.volumeBytes + plan.imageBytes(),
-            basis.lastFrame, basis.longest};
+    return {std::move(look), basis.opacityBy, cameras,         box, basis.volumeBytes + plan.imageBytes(),
+            basis.lastFrame, basis.longest,   std::move(lines)};
 }
 
 namespace {
@@ -187,12 +224,22 @@ std::optional<ViewSource> viewSource(const SequenceParams& input, const PictureP
     for (glm::dvec3& corner : bounds->box)
         corner *= plan.stretch;
     constexpr std::size_t kLookFrames = 4;
-    std::vector<FrameFile> lookFrames{bounds->firstFilled};
+    const std::size_t count = files.size();
+    FrameFile first = bounds->firstFilled;
+    if (!plan.lines.empty()) { // of frames that have lines, if there is one
+        const auto isThere = [&](const FrameFile& file) {
+            return std::filesystem::exists(linesFile(plan, file.frame));
+        };
+        if (const auto found = std::ranges::find_if(files, isThere); found != files.end() && !isThere(first))
+            first = *found;
+        if (isThere(first)) std::erase_if(files, std::not_fn(isThere));
+    }
+    std::vector<FrameFile> lookFrames{first};
     for (std::size_t i = 1; i < std::min(kLookFrames, files.size()); ++i) {
         const FrameFile& file = files[i * (files.size() - 1) / (std::min(kLookFrames, files.size()) - 1)];
-        if (file.frame != bounds->firstFilled.frame) lookFrames.push_back(file);
+        if (file.frame != first.frame) lookFrames.push_back(file);
     }
-    return ViewSource{files.size(), span, bounds->box, std::move(lookFrames)};
+    return ViewSource{count, span, bounds->box, std::move(lookFrames)};
 }
 
 std::optional<SequenceView> viewOfSequence(const RenderPlan& plan, Exchange& exchange)

@@ -47,11 +47,11 @@ struct LookBasis {
 };
 
 /// The points that the picture frames: corners of the box if it or its axes are drawn, else of visible cells, with
-/// solids and ground. Empty for a perspective with a set eye. @param exchange of the ranks that share the frames:
-/// collective
+/// solids and ground, and of the lines under their look. Empty for a perspective with a set eye. @param exchange of the
+/// ranks that share the frames: collective
 [[nodiscard]] std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
                                                 std::span<const std::shared_ptr<const LoadedTexture>> frames,
-                                                const Corners& box, Exchange& exchange);
+                                                const Corners& box, Exchange& exchange, const Look* lines = nullptr);
 
 /// Look, cameras and box common to all pictures of a sequence. Immutable.
 struct View {
@@ -62,6 +62,12 @@ struct View {
     double frameBytes;          ///< estimated memory of a frame
     std::int64_t lastFrame = 0; ///< as in LookBasis
     double longest = 0;
+    /// Of the lines in the voxels; nullopt if there are none.
+    struct OfLines {
+        Look look;
+        std::string opacityBy;
+    };
+    std::optional<OfLines> lines{};
 };
 
 /// @param frames at least one, none empty
