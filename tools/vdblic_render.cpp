@@ -17,14 +17,14 @@ int main(int argc, char** argv)
     vdblic::cli::Tool tool(ranks.toolName("vdblic_render"), "Ray cast flow textures into images.");
     tool.share(ranks);
     tool.options(parametersOf(params),
-                 vdblic::cli::pictureGroups({{"Lines", {"lines"}},
+                 vdblic::cli::pictureGroups({{"Lines", {"lines", "substeps"}},
                                              {"Output",
                                               {"output", "skip_existing", "keep_going", "aov", "precision", "histogram",
                                                "transfer_out", "film", "fps"}}}));
     constexpr double kInFiles = 8; // bricks and light of a texture
     tool.usesScratch(kInFiles, [&] { return params.outputs.images; });
     tool.reads([&] {
-        std::vector<vdblic::SequenceParams> inputs{params.input};
+        std::vector<vdblic::SequenceParams> inputs{params.files()};
         if (!params.picture.lines.empty()) {
             inputs.push_back(params.input);
             inputs.back().pattern = params.picture.lines;
@@ -37,6 +37,9 @@ int main(int argc, char** argv)
             throw vdblic::ParameterError(
                 "a film or a histogram needs all frames, and no rank has them: make it with vdblic_render");
         }
+        if (!exchange.isAlone() && params.substeps > 1)
+            throw vdblic::ParameterError(
+                "`substeps` need both frames around a picture: draw them with vdblic_render alone");
         vdblic::RenderPlan plan;
         exchange.together([&] { plan = resolve(params); });
         if (!exchange.isFirst()) plan.outputs.transferFunction.clear();

@@ -15,7 +15,7 @@ from support import ToolTest
 
 # Options of input, output and execution, which do not affect the picture.
 NOT_OF_THE_PICTURE = {"--help", "--version", "--threads", "--max-memory", "--scratch", "--quiet", "--verbose",
-                      "--verify", "--frames", "--clamp-frames", "--renumber", "--skip-existing", "--keep-going",
+                      "--verify", "--frames", "--clamp-frames", "--substeps", "--renumber", "--skip-existing", "--keep-going",
                       "--output", "--histogram", "--transfer-out", "--film", "--fps", "--parameters"}
 ORTHOGRAPHIC = ["--projection", "orthographic"]
 # For each option: the options that it needs, and a value other than its default.

@@ -254,7 +254,7 @@ Json Interface::scene(const Json& state, std::int64_t frame)
     return {
         {"settled", view.settled},
         {"clock", clockText(clock)},
-        {"camera", toJson(view.view.cameras.at(frame))},
+        {"camera", toJson(view.view.cameras.at(double(frame)))},
         {"box", corners},
         {"stretch", listOf(view.plan.stretch)},
         {"colorBy", colorBy},

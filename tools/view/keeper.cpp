@@ -104,7 +104,7 @@ Json Keeper::keepFiles(const Json& state, std::int64_t frame)
     const std::lock_guard lock(mMutex);
     const std::string name = freeName(), transfer = name + ".transfer.json", camera = name + ".camera.json";
     Json keys = state.value("keys", Json());
-    if (keys.is_null()) keys = Json::array({keyOf(view.view.cameras.at(frame), frame)});
+    if (keys.is_null()) keys = Json::array({keyOf(view.view.cameras.at(double(frame)), frame)});
     writeTransferFile(transfer, view.view.look.transfer.params());
     writeTextFile(camera, jsonText(Json{{"keys", keys}}));
     Json rest = state; // options that the two files do not hold

@@ -145,11 +145,11 @@ CameraPath::CameraPath(const CameraParams& params, const CameraMotion& motion, c
     if (mParams.projection == Projection::kOrthographic) mParams.viewHeight = 2 * chosen.halfExtent().y;
 }
 
-Camera CameraPath::at(std::int64_t frame) const
+Camera CameraPath::at(double frame) const
 {
-    CameraParams params = mKeys.applied(mParams, double(frame));
+    CameraParams params = mKeys.applied(mParams, frame);
     if (mOrbit != 0) {
-        const double turns = mOrbit * double(frame - mSpan.first) / double(mSpan.length);
+        const double turns = mOrbit * (frame - double(mSpan.first)) / double(mSpan.length);
         const double angle = 2 * std::numbers::pi * (turns - std::floor(turns));
         params.eye = *params.target + rotation(*params.up, angle) * (*params.eye - *params.target);
     }

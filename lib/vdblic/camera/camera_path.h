@@ -71,10 +71,11 @@ class CameraPath {
     CameraPath(const CameraParams& params, const CameraMotion& motion, const Corners& box, const glm::ivec2& size,
                const FrameSpan& span, std::vector<glm::dvec3> subject = {});
 
+    /// @param frame number; between two frames a number between theirs
     /// @throws ParameterError naming the frame if key frames leave the camera nowhere to look
-    [[nodiscard]] Camera at(std::int64_t frame) const;
+    [[nodiscard]] Camera at(double frame) const;
     /// Of the sequence's first frame. @throws ParameterError
-    [[nodiscard]] Camera first() const { return at(mSpan.first); }
+    [[nodiscard]] Camera first() const { return at(double(mSpan.first)); }
 
   private:
     CameraParams mParams;

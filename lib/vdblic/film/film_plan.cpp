@@ -210,14 +210,26 @@ class FilmPlanner {
         refinement.factors = refinedBy(std::round(mPixels / kVoxel));
         const double leaves = 1.5 * double(mVelocity.voxels) / double(Domain::kLeafVoxels);
         const StreakShape shape = streakShape(streaks, refinement, mVelocity.voxels, mGrid.box, mMoves);
-        estimate(streakCost(shape, StreakForm::kLines, double(mVelocity.voxels), leaves, mGrid.box));
+        const StreakCost cost = streakCost(shape, StreakForm::kLines, double(mVelocity.voxels), leaves, mGrid.box);
         mPlan.advect["method"] = {"streaks"};
         mPlan.advect["draw"] = {"lines"};
         mPlan.render["samples"] = {"2"};
         mPlan.advect["spacing"] = {shortNumber(spacing)};
-        const double leastTail = mParams.isPage() ? 1.5 : 0; // frames; a page joins the tails of frames
-        mPlan.advect["tail"] = {shortNumber(std::clamp(tail * spacing / mMoves, leastTail, 24.0))};
+        constexpr double kJoined = 1.5; // frames: pages and pictures between frames join the tails of frames
+        const double frames = std::clamp(tail * spacing / mMoves, mParams.isPage() ? kJoined : 0, 24.0);
+        mPlan.advect["tail"] = {shortNumber(frames)};
+        if (frames >= kJoined && mParams.observer.rotation == 0) moveSubsteps();
         mPlan.advect["refine"] = wordsOfFactors(refinement.factors);
+        estimate(cost);
+    }
+
+    /// Draw the pictures between frames from the frames' lines.
+    void moveSubsteps()
+    {
+        const auto substeps = mPlan.advect.extract("substeps");
+        if (substeps.empty()) return;
+        mPlan.textures = (mPlan.textures - 1) / std::stoul(substeps.mapped().front()) + 1;
+        mPlan.render["substeps"] = substeps.mapped();
     }
 
     /// Fitted to default films of the wake and the ring, and to pictures of the wake with 0.2 to 3.7 million pixels.

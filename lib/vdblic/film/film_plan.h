@@ -18,7 +18,7 @@ inline constexpr std::string_view kPageTool = "vdblic_export";
 struct FilmPlan {
     std::map<std::string, Words> advect, render; ///< without the textures' pattern
     Words page;                                  ///< of a page: words of kPageTool, without the textures' pattern
-    std::size_t textures = 1, pictures = 1;      ///< a film may leave out textures of its last interval
+    std::size_t textures = 1, pictures = 1;      ///< a film may leave out the end of its last interval
     double textureVoxels = 0, textureBytes = 0;  ///< voxels of a dense texture, estimated memory to make it
     double pictureBytes = 0, seconds = 0;        ///< estimates for streaks: memory of a picture, all processor time
     std::vector<std::string> notes;              ///< the choices and their reasons, for people

@@ -7,12 +7,13 @@
 #include "vdblic/io/output_pattern.h"
 #include "vdblic/render/render_plan.h"
 
+#include <filesystem>
 #include <utility>
 
 namespace vdblic {
 
 FrameFeed::FrameFeed(const RenderPlan& plan, std::istream& lines, Reporter& reporter, Exchange& exchange)
-    : mPlan(plan), mReporter(reporter), mSource(openSequence(plan.input, lines, mTotal))
+    : mPlan(plan), mReporter(reporter), mSource(openMoments(plan, lines, mTotal))
 {
     if (plan.input.pattern == "-") return;
     std::optional<SequenceView> found = viewOfSequence(plan, exchange);
@@ -43,21 +44,23 @@ std::optional<FrameTask> FrameFeed::next()
 void FrameFeed::take(FrameTask& task)
 {
     mReporter.checkStop();
-    const std::optional<FrameFile> file = mSource();
-    mHasEnded = !file;
-    if (!file) return;
+    const std::optional<Moment> moment = mSource();
+    mHasEnded = !moment;
+    if (!moment) return;
+    const std::filesystem::path& path = moment->file.path;
     const RenderOutputs& outputs = mPlan.outputs;
-    if (!outputs.film.empty()) checkNotInput(outputs.film, file->path);
+    if (!outputs.film.empty()) checkNotInput(outputs.film, path);
     if (!outputs.images.empty()) {
         const FramePattern images(outputs.images);
-        checkNotInput(images.path(file->frame), file->path);
-        if (mPlan.input.pattern == "-") checkOutput(images.path(file->frame));
+        const std::filesystem::path image = images.path(moment->number);
+        checkNotInput(image, path);
+        if (mPlan.input.pattern == "-") checkOutput(image);
         if (mTaken++ == 1) checkOutputPattern(images, 2); // standard input named a second path
     }
-    task.file = *file;
-    if (mOnlyFrame && mOnlyFrame->file.path == file->path) task.loaded = std::exchange(mOnlyFrame, nullptr);
+    task.moment = *moment;
+    if (mOnlyFrame && mOnlyFrame->file.path == path) task.loaded = std::exchange(mOnlyFrame, nullptr);
     if (!mView) {
-        task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mPlan.picture, *file));
+        task.loaded = std::make_shared<const LoadedTexture>(loadFrame(mPlan.picture, *moment));
         if (!task.loaded->empty()) {
             OneProcess alone;
             mView = chooseView(mPlan.picture, {&task.loaded, 1}, task.loaded->box().corners(), {}, alone);

@@ -1,10 +1,11 @@
 #pragma once
 
-#include "vdblic/io/sequence.h"
+#include "vdblic/render/moment.h"
 #include "vdblic/render/view.h"
 
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <optional>
@@ -15,9 +16,9 @@ class Exchange;
 class Reporter;
 struct RenderPlan;
 
-/// A frame to render, or an error in place of it.
+/// A picture to make, or an error in place of it.
 struct FrameTask {
-    FrameFile file;
+    Moment moment;
     std::shared_ptr<const LoadedTexture> loaded; ///< if it was read before its turn
     const View* view = nullptr;                  ///< null until a frame has an active voxel
     std::exception_ptr error;
@@ -35,7 +36,7 @@ class FrameFeed {
     [[nodiscard]] std::optional<FrameTask> next();
     /// Null if no frame so far has an active voxel.
     [[nodiscard]] const View* view() const { return mView ? &*mView : nullptr; }
-    [[nodiscard]] std::size_t total() const { return mTotal; } ///< frames; 0 if it is unknown
+    [[nodiscard]] std::size_t total() const { return mTotal; } ///< pictures; 0 if it is unknown
 
   private:
     void take(FrameTask& task);
@@ -43,7 +44,7 @@ class FrameFeed {
     const RenderPlan& mPlan;
     Reporter& mReporter;
     std::size_t mTotal = 0, mTaken = 0;
-    FrameSource mSource;
+    std::function<std::optional<Moment>()> mSource;
     std::optional<View> mView;
     std::shared_ptr<const LoadedTexture> mOnlyFrame; // of the sequence, if it was read to choose the view
     bool mHasEnded = false;

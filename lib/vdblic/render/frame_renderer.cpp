@@ -43,7 +43,7 @@ FrameShare shareOf(const GridHeader& header, const Camera& camera, const glm::dv
 FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, RenderedFrame& frame) const
 {
     const PicturePlan& plan = mPlan.picture;
-    const FrameFile& file = frame.file;
+    const FrameFile& file = frame.moment.file;
     const View* const view = frame.view;
     std::optional<FrameShare> share;
     if (view && !mExchange.isAlone()) {
@@ -52,11 +52,12 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
             (void)loadFrame(plan, file); // says why
             throw InputError(fmt::format("{}: its header changes while it is read", file.path.string()));
         }
-        share.emplace(shareOf(*header, view->cameras.at(file.frame), plan.stretch, mExchange));
+        share.emplace(shareOf(*header, view->cameras.at(double(file.frame)), plan.stretch, mExchange));
         loaded = nullptr;
     }
     if (!loaded) {
-        loaded = std::make_shared<const LoadedTexture>(loadFrame(plan, file, view, share ? &share->leaves : nullptr));
+        loaded = std::make_shared<const LoadedTexture>(
+            loadFrame(plan, frame.moment, view, share ? &share->leaves : nullptr));
     }
     frame.hasColor = loaded->hasColor;
     frame.unusableVoxels = loaded->unusable();
@@ -102,7 +103,7 @@ std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& loaded,
             const double box = voxelsOf(domain->evalActiveVoxelBoundingBox());
             frame.leftOut = box > 0 ? 1 - double(domain->activeVoxelCount()) / box : 0;
         }
-        return shownSolid(plan, *domain, frame.file.frame);
+        return shownSolid(plan, *domain, frame.moment.file.frame);
     };
     if (solidChanges(plan.solid)) return make();
     std::call_once(mSolidMade, [&] { mSolid = make(); });

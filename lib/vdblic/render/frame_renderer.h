@@ -4,8 +4,8 @@
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/image/image_file.h"
-#include "vdblic/io/sequence.h"
 #include "vdblic/look/histogram.h"
+#include "vdblic/render/moment.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/view.h"
 
@@ -20,7 +20,7 @@ namespace vdblic {
 
 /// The report on a rendered frame, without the image; or its error.
 struct RenderedFrame {
-    FrameFile file;
+    Moment moment;
     const View* view = nullptr; ///< null if no frame so far has an active voxel
     bool hasColor = true;
     std::size_t unusableVoxels = 0;
@@ -49,7 +49,7 @@ class FrameRenderer {
 
     /// Collective.
     /// @param loaded the frame if it was read before, else null
-    /// @param frame  with its file and view; receives the report
+    /// @param frame  with its moment and view; receives the report
     /// @throws InputError naming the file; Stopped
     [[nodiscard]] FrameImage render(std::shared_ptr<const LoadedTexture> loaded, RenderedFrame& frame) const;
 

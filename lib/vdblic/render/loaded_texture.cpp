@@ -4,12 +4,13 @@
 #include "vdblic/field/derived_grids.h"
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/resample.h"
-#include "vdblic/io/frame_pattern.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
 #include "vdblic/io/velocity_grids.h"
-#include "vdblic/lines/line_grid.h"
+#include "vdblic/render/frame_metadata.h"
+#include "vdblic/render/loaded_lines.h"
+#include "vdblic/render/moment.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/sequence_bounds.h"
 #include "vdblic/render/view.h"
@@ -62,34 +63,6 @@ openvdb::FloatGrid::Ptr findScalar(const VdbFile& file, const std::vector<std::s
         if (auto grid = file.find<openvdb::FloatGrid>(name)) return grid;
     }
     return nullptr;
-}
-
-/// A text of a file's or a grid's metadata; empty if it has none.
-std::string textOf(const openvdb::MetaMap& metadata, const char* key)
-{
-    const auto text = metadata.getMetadata<openvdb::StringMetadata>(key);
-    return text ? text->value() : "";
-}
-
-FrameClock clockOf(const openvdb::MetaMap& metadata)
-{
-    return {numericMetadata(metadata, "time"), numericMetadata(metadata, "dt"), textOf(metadata, "start")};
-}
-
-/// The unit of a scalar: its metadata `unit`, or for speeds the file's unit of length per second.
-std::string unitOf(const openvdb::FloatGrid& scalar, const std::string& lengthUnit)
-{
-    std::string unit = textOf(scalar, "unit");
-    if (!unit.empty() || scalar.getName() != kSpeedGrid || lengthUnit.empty()) return unit;
-    return lengthUnit + "/s";
-}
-
-/// Names of the sources of streaks, the first for particles without one; empty if the file names none.
-std::vector<std::string> kindsOf(const openvdb::MetaMap& metadata)
-{
-    std::vector<std::string> kinds = sourceNames(metadata);
-    if (!kinds.empty()) kinds.insert(kinds.begin(), "no source");
-    return kinds;
 }
 
 /// Of a sparse texture's file, a grid whose active voxels are the flow's. Sources have the streaks' voxels.
@@ -164,11 +137,6 @@ double LoadedTexture::bytes() const
     return own + (lines ? lines->bytes() : 0);
 }
 
-std::filesystem::path linesFile(const PicturePlan& plan, std::int64_t frame)
-{
-    return FramePattern(plan.lines).path(frame);
-}
-
 double bytesPerVoxel(const PicturePlan& plan)
 {
     const bool hasLines = plan.look.shading.model == ShadingModel::kLine;
@@ -178,119 +146,6 @@ double bytesPerVoxel(const PicturePlan& plan)
 }
 
 namespace {
-
-/// The values of a scalar of lines, one a point. @throws InputError naming the file
-std::vector<float> scalarOf(const Lines& lines, const std::string& name, const VdbFile& file, const char* option)
-{
-    if (name == kSourceGrid) {
-        std::vector<float> values(lines.pointCount());
-        for (const Lines::Line& line : lines.lines)
-            std::fill(values.begin() + line.begin, values.begin() + line.end, float(line.source));
-        return values;
-    }
-    if (name == kLineAge || lines.lines.empty()) return lines.ages; // without points there are no scalars
-    std::vector<std::string> names{kLineAge, kSourceGrid};
-    for (const Lines::Scalar& scalar : lines.scalars) {
-        if (scalar.name == name) return scalar.values;
-        names.push_back(scalar.name);
-    }
-    throw InputError(fmt::format("{}: its lines have no scalar '{}', but {}; choose with {}, or make it with "
-                                 "vdblic_advect --with {}",
-                                 file.path.string(), name, fmt::join(names, ", "), option, name));
-}
-
-/// The first of `names` that the lines have; the first name if they have none of them.
-std::string chosenScalar(const Lines& lines, const std::vector<std::string>& names)
-{
-    const auto has = [&](const std::string& name) {
-        return name == kSourceGrid || name == kLineAge ||
-               std::ranges::any_of(lines.scalars, [&](const Lines::Scalar& scalar) { return scalar.name == name; });
-    };
-    const auto found = std::ranges::find_if(names, has);
-    return found == names.end() ? names.front() : *found;
-}
-
-/// The unit of a scalar of lines: the unit of the grid of its name in the file.
-std::string unitOf(const VdbFile& file, const std::string& scalar, const std::string& lengthUnit)
-{
-    const auto grid = file.find<openvdb::FloatGrid>(scalar);
-    return grid ? unitOf(*grid, lengthUnit) : "";
-}
-
-/// @param chosenOpacity scalar that opacity follows in all frames; empty: not chosen yet
-LoadedTexture loadLines(const PicturePlan& plan, const VdbFile& file, const openvdb::GridBase& grid,
-                        const FrameFile& frame, const std::string& chosenOpacity)
-{
-    const Lines lines = linesOf(grid);
-    std::vector<std::string> opacityBy = plan.opacityBy;
-    if (!chosenOpacity.empty() && !opacityBy.empty()) opacityBy = {chosenOpacity};
-    const std::string driver = opacityBy.empty() ? plan.colorBy : chosenScalar(lines, opacityBy);
-    const bool two = driver != plan.colorBy || !plan.look.transfer.sharesRange();
-    Tubes::Values values;
-    if (two) values.color = scalarOf(lines, plan.colorBy, file, "`color_by`");
-    values.driver = scalarOf(lines, driver, file, opacityBy.empty() ? "`by`" : "`opacity_by`");
-    std::optional<FrameDomain> region;
-    if (!plan.region.empty() || plan.regionBox) {
-        const auto voxels = std::make_shared<openvdb::MaskTree>();
-        for (const openvdb::Vec3f& point : lines.positions)
-            voxels->setValueOn(openvdb::Coord::round(openvdb::Vec3d(point)));
-        const DomainParams params{.mask = plan.region, .worldBox = plan.regionBox};
-        region = makeDomain(voxels, grid.transform(), params, frame.frame);
-    }
-    const auto isShown = [&](const openvdb::Coord& voxel) {
-        return !region || region->texture->topology().isValueOn(voxel);
-    };
-    const std::string lengthUnit = textOf(file.metadata, "length_unit");
-    std::vector<std::string> kinds;
-    if (plan.colorBy == kSourceGrid) kinds = kindsOf(file.metadata);
-    return LoadedTexture{
-        .file = frame,
-        .name = grid.getName(),
-        .opacityBy = driver,
-        .tubes = std::optional<Tubes>(std::in_place, lines, std::move(values), grid.transform(), plan.stretch, isShown),
-        .clock = clockOf(file.metadata),
-        .colorUnit = unitOf(file, plan.colorBy, lengthUnit),
-        .opacityUnit = unitOf(file, driver, lengthUnit),
-        .lengthUnit = lengthUnit,
-        .kinds = std::move(kinds),
-        .isSparse = true,
-        .flowVoxels = file.find<openvdb::FloatGrid>(kSpeedGrid)};
-}
-
-/// The lines of a file, if it has any. @throws InputError naming it
-std::optional<LoadedTexture> linesIn(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame,
-                                     const std::string& chosenOpacity)
-{
-    const auto lines = file.find<openvdb::points::PointDataGrid>(textureName(file.metadata, plan.texture));
-    if (!lines) return std::nullopt;
-    try {
-        return loadLines(plan, file, *lines, frame, chosenOpacity);
-    } catch (const InputError& error) {
-        const std::string path = frame.path.string();
-        const bool isNamed = std::string_view(error.what()).starts_with(path);
-        throw isNamed ? error : InputError(fmt::format("{}: {}", path, error.what()));
-    }
-}
-
-/// The lines that are drawn in a frame's voxels. @throws InputError naming their file
-std::shared_ptr<const LoadedTexture> linesBeside(const PicturePlan& plan, const FrameFile& frame, const View* view)
-{
-    const FrameFile file{frame.frame, linesFile(plan, frame.frame)};
-    const std::string path = file.path.string();
-    if (!std::filesystem::exists(file.path)) {
-        throw InputError(fmt::format("{}: the lines of frame {} are missing; make them with vdblic_advect --method "
-                                     "streaks --draw lines, or leave the frame out with `frames`",
-                                     path, frame.frame));
-    }
-    const std::string chosen = view && view->lines ? view->lines->opacityBy : "";
-    auto lines = linesIn(planOfLines(plan), readVdb(file.path), file, chosen);
-    if (!lines) {
-        throw InputError(fmt::format("{}: holds no lines for `lines`; make them with vdblic_advect --method streaks "
-                                     "--draw lines",
-                                     path));
-    }
-    return std::make_shared<const LoadedTexture>(std::move(*lines));
-}
 
 /// Whether a file is shown by its lines.
 bool hasLines(const FrameFile& frame, const std::string& name)
@@ -323,6 +178,13 @@ LoadedTexture loadFrame(const PicturePlan& plan, const FrameFile& frame, const V
     if (header && texture && texture->transform() != *header->transform)
         throw InputError(fmt::format("{}: holds several grids '{}'; rename one", frame.path.string(), name));
     return loadFrame(plan, file, frame, view, share);
+}
+
+LoadedTexture loadFrame(const PicturePlan& plan, const Moment& moment, const View* view, const LeafShare* share)
+{
+    LoadedTexture loaded = moment.next ? linesAt(plan, moment, view) : loadFrame(plan, moment.file, view, share);
+    if (loaded.clock.dt) *loaded.clock.dt /= moment.substeps;
+    return loaded;
 }
 
 LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame, const View* view,

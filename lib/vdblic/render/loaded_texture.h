@@ -19,6 +19,7 @@
 namespace vdblic {
 
 class LeafShare;
+struct Moment;
 struct PicturePlan;
 struct VdbFile;
 struct View;
@@ -40,6 +41,8 @@ struct LoadedTexture {
     std::shared_ptr<const LoadedTexture> lines{};         ///< drawn in the voxels; or null
     openvdb::FloatGrid::Ptr flowVoxels{}; ///< of a sparse texture or lines: a grid whose active voxels are the flow's
 
+    double after = 0; ///< time of the lines after the file's [frames]
+
     [[nodiscard]] bool empty() const { return tubes ? tubes->empty() : volume->empty(); }
     [[nodiscard]] const PlacedBox& box() const { return tubes ? static_cast<const PlacedBox&>(*tubes) : *volume; }
     /// Voxels and parts of lines that are left out because a value is not a finite number.
@@ -54,6 +57,9 @@ struct LoadedTexture {
 
     /// Count the voxels, or places along the lines. @throws InputError naming the file
     void addTo(TextureHistograms& histograms) const;
+
+    /// The number of the frame; between two frames a number between theirs.
+    [[nodiscard]] double frame() const { return double(file.frame) + after; }
 
     [[nodiscard]] double bytes() const; ///< estimated memory
 };
@@ -70,6 +76,9 @@ struct LoadedTexture {
 /// @param share the leaves to read of a frame that ranks share; null: all
 /// @throws InputError naming the file
 [[nodiscard]] LoadedTexture loadFrame(const PicturePlan& plan, const FrameFile& frame, const View* view = nullptr,
+                                      const LeafShare* share = nullptr);
+/// The same for a moment; `share` is for frames.
+[[nodiscard]] LoadedTexture loadFrame(const PicturePlan& plan, const Moment& moment, const View* view = nullptr,
                                       const LeafShare* share = nullptr);
 /// The same for a file in memory. @param frame number and name, for masks and messages
 [[nodiscard]] LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame,

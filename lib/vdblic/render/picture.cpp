@@ -108,14 +108,15 @@ PicturePlan chosen(const PicturePlan& plan, const Look& look, const Camera& came
 
 /// The header of a frame's image: all parameters that made it. An attribute of several numbers is spelled as on the
 /// command line.
-ImageHeader imageHeader(const PicturePlan& plan, const Look& look, const Camera& camera, const FrameFile& file)
+ImageHeader imageHeader(const PicturePlan& plan, const Look& look, const Camera& camera, const LoadedTexture& frame)
 {
     ImageHeader header;
     header.worldToCamera = camera.worldToCamera();
     header.worldToNdc = camera.worldToNdc();
     header.screenWindowWidth = float(2 * camera.halfExtent().x);
     auto& attributes = header.attributes;
-    attributes = {{"frame", int(file.frame)}, {"source", file.path.filename().string()}};
+    attributes = {{"frame", int(frame.file.frame)}, {"source", frame.file.path.filename().string()}};
+    if (frame.after > 0) attributes.emplace_back("moment", float(frame.frame()));
     const PicturePlan all = chosen(plan, look, camera);
     PictureParams params = all.params();
     params.cameraFile = std::filesystem::path(plan.cameraFile).filename();
@@ -154,7 +155,7 @@ Interpolation interpolationFor(const View& view, const PlacedBox& box)
 Picture::Picture(const PicturePlan& plan, const View& view, std::shared_ptr<const ShownVolume> shown,
                  const PictureShare* share)
     : mPlan(plan), mView(view), mShown(std::move(shown)), mShare(share), mExchange(share ? share->exchange : mAlone),
-      mRays(plan.rays), mCamera(view.cameras.at(mShown->frame().file.frame))
+      mRays(plan.rays), mCamera(view.cameras.at(mShown->frame().frame()))
 {
     mRays.clip = plan.rays.clip.stretched(plan.stretch);
     if (!mRays.interpolation) mRays.interpolation = interpolationFor(view, mShown->frame().box());
@@ -220,7 +221,7 @@ ImageHeader Picture::header() const
     plan.texture = mShown->frame().name;
     if (!plan.opacityBy.empty()) plan.opacityBy = {mView.opacityBy};
     plan.rays.interpolation = mRays.interpolation;
-    return imageHeader(plan, mView.look, mCamera, mShown->frame().file);
+    return imageHeader(plan, mView.look, mCamera, mShown->frame());
 }
 
 std::string Picture::whyNothingIsSeen(const Image& image)

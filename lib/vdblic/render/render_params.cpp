@@ -23,6 +23,7 @@ namespace {
 
 constexpr int kMostPixels = 32768; // a side
 constexpr double kMostStretch = 1e6;
+constexpr int kMostSubsteps = 256;
 
 /// Parameters whose values are kept as words until there is a look to set them on.
 /// @param defaults the look that owns the parameters; it gives the values of unset ones
@@ -117,9 +118,13 @@ Parameters parametersOf(RenderParams& params)
         skipExistingParameter(to.skipExisting),
         parameter("lines",
                   "Streaks drawn as tubes in a texture of voxels: one file of vdblic_advect --method streaks, or a "
-                  "pattern with the texture's frame numbers. Colours are the texture's; opacity follows q or vorticity "
-                  "where the lines carry it.",
+                  "pattern with the texture's frame numbers. Colours are the texture's; opacity follows the grid of "
+                  "--opacity-by, q or vorticity, the first that the lines carry.",
                   params.picture.lines, {.words = "FILE"}),
+        parameter("substeps",
+                  "Pictures of lines for each interval between frames: the lines move on along their paths. Numbers of "
+                  "pictures are those of vdblic_advect --substeps, of --frames too.",
+                  params.substeps, {.limits = {1, kMostSubsteps}}),
         parameter("keep_going", "Leave out frames that cannot be read; the exit status tells at the end.",
                   params.keepGoing),
         parameter("histogram", "Histograms of texture and scalars with the transfer function over them, .png or .json.",
@@ -156,8 +161,24 @@ void RenderParams::validate() const
     checkLimits(parametersOf(copy));
     outputs.validate();
     picture.validate();
+    if (substeps > 1) {
+        if (!FramePattern(input.pattern).hasField())
+            throw ParameterError(
+                fmt::format("`substeps` move lines from frame to frame, and '{}' is no pattern such as "
+                            "name.%04d.vdb",
+                            input.pattern));
+        if (!picture.lines.empty())
+            throw ParameterError("`substeps` move lines, and the texture of `lines` stays: leave one out");
+    }
     if (picture.earth && picture.solid.empty())
         throw ParameterError("`earth` is drawn on a `solid`, which is not given");
+}
+
+SequenceParams RenderParams::files() const
+{
+    SequenceParams files = input;
+    if (substeps > 1) files.frames.clear();
+    return files;
 }
 
 void PictureParams::validate() const

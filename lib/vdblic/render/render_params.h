@@ -81,9 +81,13 @@ struct RenderOutputs {
 /// How a sequence of textures becomes a sequence of images, as a user describes it.
 struct RenderParams {
     SequenceParams input;
+    int substeps = 1;       ///< pictures in a frame, between which lines move on; its `frames` then select pictures
     bool keepGoing = false; ///< leave out frames that cannot be read, and fail at the end
     PictureParams picture;
     RenderOutputs outputs;
+
+    /// The files that pictures are made of.
+    [[nodiscard]] SequenceParams files() const;
 
     /// @throws ParameterError
     void validate() const;

@@ -119,7 +119,13 @@ PicturePlan planOfLines(const PicturePlan& plan)
 RenderPlan resolve(const RenderParams& params)
 {
     params.validate();
-    RenderPlan plan{params.input, params.keepGoing, resolve(params.picture, traitsOf(params.input)), params.outputs};
+    const SequenceParams files = params.files();
+    RenderPlan plan{.input = files,
+                    .substeps = params.substeps,
+                    .keepGoing = params.keepGoing,
+                    .picture = resolve(params.picture, traitsOf(files)),
+                    .outputs = params.outputs};
+    if (plan.substeps > 1) plan.pictures = params.input.frames;
     plan.choices = choicesOf(params.picture, plan.picture);
     plan.picture.rays.layers = !params.outputs.exr.layers.empty();
     return plan;

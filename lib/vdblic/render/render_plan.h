@@ -38,7 +38,9 @@ struct PicturePlan : PictureSettings {
 
 /// How a sequence of textures becomes a sequence of images.
 struct RenderPlan {
-    SequenceParams input;
+    SequenceParams input; ///< the files
+    int substeps = 1;
+    std::string pictures{}; ///< list of numbers with several substeps; empty: all
     bool keepGoing = false;
     PicturePlan picture;
     RenderOutputs outputs;

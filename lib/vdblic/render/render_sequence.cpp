@@ -10,11 +10,12 @@
 #include "vdblic/io/grid_reference.h"
 #include "vdblic/io/input_files.h"
 #include "vdblic/io/output_pattern.h"
-#include "vdblic/io/sequence.h"
 #include "vdblic/render/annotation_font.h"
 #include "vdblic/render/frame_feed.h"
 #include "vdblic/render/frame_renderer.h"
 #include "vdblic/render/frames_in_flight.h"
+#include "vdblic/render/loaded_texture.h"
+#include "vdblic/render/moment.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/run_report.h"
 
@@ -39,7 +40,7 @@
 namespace vdblic {
 namespace {
 
-InputFiles inputsOf(const RenderPlan& plan, const std::vector<FrameFile>& files)
+InputFiles inputsOf(const RenderPlan& plan, const std::vector<Moment>& moments)
 {
     InputFiles inputs;
     inputs.add(plan.picture.cameraFile);
@@ -48,12 +49,13 @@ InputFiles inputsOf(const RenderPlan& plan, const std::vector<FrameFile>& files)
         if (reference.empty()) continue;
         const std::string path = parseGridReference(reference).path.string();
         inputs.add(path);
-        for (const FrameFile& file : files)
-            inputs.add(FramePattern(path).path(file.frame));
+        for (const Moment& moment : moments)
+            inputs.add(FramePattern(path).path(moment.file.frame));
     }
-    for (const FrameFile& file : files) {
-        inputs.add(file.path);
-        if (!plan.picture.lines.empty()) inputs.add(linesFile(plan.picture, file.frame));
+    for (const Moment& moment : moments) {
+        inputs.add(moment.file.path);
+        if (moment.next) inputs.add(moment.next->path);
+        if (!plan.picture.lines.empty()) inputs.add(linesFile(plan.picture, moment.file.frame));
     }
     return inputs;
 }
@@ -67,11 +69,11 @@ void checkFurtherOutput(const std::string& report, const RenderPlan& plan, const
 }
 
 /// Check, before any work, that the outputs of a run can be written, differ from each other and replace no input.
-/// @param files of the input; empty if they come on standard input
+/// @param moments of the run; empty if its files come on standard input
 /// @throws ParameterError, OutputError
-void checkRenderOutputs(const RenderPlan& plan, const std::vector<FrameFile>& files)
+void checkRenderOutputs(const RenderPlan& plan, const std::vector<Moment>& moments)
 {
-    const InputFiles inputs = inputsOf(plan, files);
+    const InputFiles inputs = inputsOf(plan, moments);
     const std::string* const further[] = {&plan.outputs.histogram, &plan.outputs.transferFunction, &plan.outputs.film};
     for (std::size_t i = 0; i < std::size(further); ++i) {
         checkFurtherOutput(*further[i], plan, inputs);
@@ -80,14 +82,14 @@ void checkRenderOutputs(const RenderPlan& plan, const std::vector<FrameFile>& fi
         }
     }
     if (!plan.outputs.film.empty()) checkOutput(plan.outputs.film);
-    if (plan.outputs.images.empty() || files.empty()) return;
-    std::vector<std::int64_t> frames;
-    frames.reserve(files.size());
-    for (const FrameFile& file : files) {
-        frames.push_back(file.frame);
-        inputs.check(FramePattern(plan.outputs.images).path(file.frame));
+    if (plan.outputs.images.empty() || moments.empty()) return;
+    std::vector<std::int64_t> numbers;
+    numbers.reserve(moments.size());
+    for (const Moment& moment : moments) {
+        numbers.push_back(moment.number);
+        inputs.check(FramePattern(plan.outputs.images).path(moment.number));
     }
-    checkOutputs(FramePattern(plan.outputs.images), frames);
+    checkOutputs(FramePattern(plan.outputs.images), numbers);
 }
 
 void warnOfTitle(const std::string& title, Reporter& reporter)
@@ -111,13 +113,13 @@ class ImageWriter {
     /// still reported.
     [[nodiscard]] RenderedFrame write(const FrameTask& task) const
     {
-        RenderedFrame result{.file = task.file, .view = task.view};
+        RenderedFrame result{.moment = task.moment, .view = task.view};
         try {
             mExchange.together([&] {
                 if (task.error) std::rethrow_exception(task.error);
-                const bool isThere =
-                    mPlan.outputs.skipExisting && hasImages() && mExchange.isFirst() && isFinished(imageOf(task.file));
-                const bool isWhole = isThere && isWholeImage(imageOf(task.file));
+                const bool isThere = mPlan.outputs.skipExisting && hasImages() && mExchange.isFirst() &&
+                                     isFinished(imageOf(task.moment));
+                const bool isWhole = isThere && isWholeImage(imageOf(task.moment));
                 result.wasDamaged = isThere && !isWhole;
                 result.skipped = mExchange.any(isWhole);
                 if (result.skipped) return;
@@ -132,9 +134,9 @@ class ImageWriter {
 
   private:
     [[nodiscard]] bool hasImages() const { return !mPlan.outputs.images.empty(); }
-    [[nodiscard]] std::filesystem::path imageOf(const FrameFile& file) const
+    [[nodiscard]] std::filesystem::path imageOf(const Moment& moment) const
     {
-        return FramePattern(mPlan.outputs.images).path(file.frame);
+        return FramePattern(mPlan.outputs.images).path(moment.number);
     }
 
     void render(const FrameTask& task, RenderedFrame& result) const
@@ -143,7 +145,7 @@ class ImageWriter {
         const FrameImage made = mRenderer.render(task.loaded, result);
         if (!mPlan.outputs.film.empty()) result.film = displayBytes(made.image, background);
         if (hasImages() && mExchange.isFirst())
-            writeImage(imageOf(task.file), made.image, made.header, background, mPlan.outputs.exr);
+            writeImage(imageOf(task.moment), made.image, made.header, background, mPlan.outputs.exr);
     }
 
     const RenderPlan& mPlan;
@@ -187,7 +189,7 @@ void renderFrames(const RenderPlan& plan, std::istream& lines, Reporter& reporte
 {
     const RenderOutputs& outputs = plan.outputs;
     const bool isPiped = plan.input.pattern == "-";
-    checkRenderOutputs(plan, isPiped ? std::vector<FrameFile>{} : selectFrames(plan.input));
+    checkRenderOutputs(plan, isPiped ? std::vector<Moment>{} : momentsOf(plan));
     std::optional<FilmWriter> film;
     if (!outputs.film.empty()) film.emplace(outputs.film, plan.picture.size, outputs.framesPerSecond);
     FrameFeed feed(plan, lines, reporter, exchange);

@@ -38,14 +38,14 @@ void RunReport::tellView(const View& view)
 void RunReport::tellPicture(const RenderedFrame& frame)
 {
     if (!mPlan.outputs.images.empty() && !frame.error)
-        mReporter.finished(FramePattern(mPlan.outputs.images).path(frame.file.frame));
+        mReporter.finished(FramePattern(mPlan.outputs.images).path(frame.moment.number));
 }
 
 void RunReport::add(const RenderedFrame& frame, const Exchange& exchange)
 {
     if (frame.error) return leaveOut(frame);
-    const std::string path = frame.file.path.string();
-    if (frame.view && !mDescribed) describe(*frame.view, frame.file.frame, exchange);
+    const std::string path = frame.moment.file.path.string();
+    if (frame.view && !mDescribed) describe(*frame.view, frame.moment.file.frame, exchange);
     if (!frame.hasColor && !mSaidNoColor) {
         mReporter.say(fmt::format("{}: no float grid '{}'; the texture chooses {} instead", path, mPlan.picture.colorBy,
                                   mPlan.picture.opacityBy.empty() ? "colour and opacity" : "the colour"));
@@ -67,7 +67,7 @@ void RunReport::add(const RenderedFrame& frame, const Exchange& exchange)
     }
     if (frame.wasDamaged) {
         mReporter.warn(fmt::format("{}: was there, but cannot be read as an image; it was made again",
-                                   FramePattern(mPlan.outputs.images).path(frame.file.frame).string()));
+                                   FramePattern(mPlan.outputs.images).path(frame.moment.number).string()));
     }
     mSkipped += frame.skipped ? 1 : 0;
     mRendered += frame.skipped ? 0 : 1;
@@ -95,7 +95,7 @@ void RunReport::describe(const View& view, std::int64_t frame, const Exchange& e
     mDescribed = true;
     if (mPlan.input.pattern == "-") tellView(view);
     const Look& look = view.look;
-    const Camera camera = view.cameras.at(frame);
+    const Camera camera = view.cameras.at(double(frame));
     mReporter.detail(fmt::format("frame {}: {} from {} to {}, up {}", frame, nameOf(camera.projection()),
                                  vectorText(camera.eye()), vectorText(camera.target()), vectorText(camera.up())));
     const TransferFunction& transfer = look.transfer;
