@@ -230,12 +230,12 @@ void RayKernel::advance(const RayTask* tasks, int count, int& next, unsigned lea
     findEmpty(lanes, sample);
 }
 
-/// The texture at the lanes' samples.
-VDBLIC_INLINE void RayKernel::interpolate(Sample& result) const
+/// The texture at the samples, at least of the given lanes.
+VDBLIC_INLINE void RayKernel::interpolate(Sample& result, unsigned which) const
 {
     result.leaf = VisibleSpace::leafOf(result.entry);
     if (mIsCubic) {
-        interpolateCubic(result);
+        interpolateCubic(result, which);
     } else {
         const Cells cells(result.place);
         result.corners = mTexture.corners(result.leaf, cells);
@@ -244,9 +244,9 @@ VDBLIC_INLINE void RayKernel::interpolate(Sample& result) const
 }
 
 VDBLIC_KERNEL
-void RayKernel::interpolateCubic(Sample& result) const
+void RayKernel::interpolateCubic(Sample& result, unsigned which) const
 {
-    result.texture = mTexture.cubicAt(result.leaf, Cells(result.place));
+    result.texture = mTexture.cubicAt(result.leaf, Cells(result.place), which);
 }
 
 /// The given lanes whose voxels are hidden.
@@ -382,7 +382,7 @@ void RayKernel::trace(const RayTask* tasks, int count, RaySum* sums) const
             // A sample costs more than a skip: most lanes should have one.
             if (__builtin_popcount(seen) < kEnoughLanes) continue;
         }
-        interpolate(sample);
+        interpolate(sample, seen);
         const Int8 isSeen = maskOf(seen);
         absorb(lanes, isSeen, sample, queue);
         lanes.sample -= isSeen;

@@ -38,12 +38,12 @@ class RayKernel {
     void findEmpty(const Lanes& lanes, Sample& result) const;
     unsigned leaving(const Lanes& lanes, const Sample& sample) const;
     void skip(Lanes& lanes, const Sample& sample, unsigned which) const;
-    void interpolate(Sample& result) const;
+    void interpolate(Sample& result, unsigned which) const;
     void absorb(Lanes& lanes, Int8 which, const Sample& sample, ShadeQueue& queue) const;
     // Rarely needed. Inlined, they would take registers from the loop.
     [[gnu::noinline]] void advance(const RayTask* tasks, int count, int& next, unsigned leaving, Lanes& lanes,
                                    Sample& sample, RaySum* sums) const;
-    [[gnu::noinline]] void interpolateCubic(Sample& result) const;
+    [[gnu::noinline]] void interpolateCubic(Sample& result, unsigned which) const;
     [[gnu::noinline]] void skipLeaves(const Lanes& lanes, const Sample& sample, Int8& next) const;
     [[gnu::noinline]] unsigned findHidden(unsigned lanes, const Sample& sample) const;
     [[gnu::noinline]] void findFlanks(const Sample& sample, const Float8* view, Float8& result) const;

@@ -167,7 +167,8 @@ class TextureSampler {
     }
 
     /// By cubic convolution, within the range of the leaf's records. @param leaf, cells as of corners()
-    [[nodiscard]] VDBLIC_INLINE Float8 cubicAt(Unsigned8 leaf, const Cells& cells) const
+    /// @param which the lanes that matter, by their bits
+    [[nodiscard]] VDBLIC_INLINE Float8 cubicAt(Unsigned8 leaf, const Cells& cells, unsigned which = 0xff) const
     {
         constexpr int kTaps = 4;
         constexpr std::ptrdiff_t kY = TextureLeaf::kY, kX = TextureLeaf::kX;
@@ -180,8 +181,9 @@ class TextureSampler {
         std::memcpy(ys, alongY, sizeof ys);
         std::uint32_t at[kLanes];
         storeLanes(first(leaf, cells) - unsigned(kX + kY + 1), at);
-        Float4 rows[kLanes]; // four numbers along z, by lane
-        for (int lane = 0; lane < kLanes; ++lane) {
+        Float4 rows[kLanes]{}; // four numbers along z, by lane
+        for (unsigned left = which; left != 0; left &= left - 1) {
+            const int lane = __builtin_ctz(left);
             const auto twice = [&](int y) {
                 return __builtin_shufflevector(broadcast4(ys[y][lane]), broadcast4(ys[y + 1][lane]), 0, 1, 2, 3, 4, 5,
                                                6, 7);
