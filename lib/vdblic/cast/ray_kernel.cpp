@@ -5,7 +5,6 @@
 #include "vdblic/cast/shade_queue.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/look/look.h"
-#include "vdblic/volume/record_sampling.h"
 #include "vdblic/volume/texture_volume.h"
 
 #include <algorithm>
