@@ -53,8 +53,8 @@ class DividedRays {
         {
             const glm::ivec2 high = glm::min(low + RaySetup::kTile, rays.mArea.high);
             for (int y = low.y; y < high.y; ++y) {
-                for (int x = low.x; x < high.x; ++x)
-                    add(x, y, background[std::size_t(y)]);
+                for (int x = low.x; x < high.x; x += kLanes)
+                    add(x, std::min(x + kLanes, high.x), y, background[std::size_t(y)]);
             }
             for (const Divided& ray : mDivided)
                 setPart(ray);
@@ -100,19 +100,38 @@ class DividedRays {
             bool isOver = false;
         };
 
-        void add(int x, int y, const glm::vec3& background)
+        /// Trace the pixels of a row from one to before another, at most kLanes.
+        void add(int begin, int end, int y, const glm::vec3& background)
         {
-            const std::size_t pixel = std::size_t(y) * std::size_t(mRays.mWidth) + std::size_t(x);
-            mRays.mIsActive[pixel] = 0;
-            if (mRays.mOnly && !mRays.mOnly[pixel]) return;
-            const std::size_t first = mSeen.size();
-            mRays.mTubes.trace(mRays.mRays.at(x, y), mRays.surfaceDepth(pixel), [&](const SeenTube& tube) {
-                const glm::vec3 own = tube.color * mRays.mBrightness;
-                mColors.push_back(glm::vec4(glm::mix(own, background, tube.far), 1) * tube.alpha);
-                mSeen.push_back(tube);
-            });
-            mDivided.push_back({pixel, first, mSeen.size()});
-            mRays.mBegins[pixel] = 0;
+            const std::size_t row = std::size_t(y) * std::size_t(mRays.mWidth);
+            TubeCaster::Packet packet;
+            for (int x = begin; x < end; ++x) {
+                const std::size_t pixel = row + std::size_t(x);
+                mRays.mIsActive[pixel] = 0;
+                if (mRays.mOnly && !mRays.mOnly[pixel]) continue;
+                mRays.mTubes.add(mRays.mRays.at(x, y), mRays.surfaceDepth(pixel), x - begin, packet);
+            }
+            std::vector<SeenTube> seen[kLanes];
+            SeenTubes tubes[TubeCaster::kMostTubes];
+            while (const int count = mRays.mTubes.next(packet, tubes)) {
+                for (int i = 0; i < count; ++i) {
+                    for (int lane = 0; lane < kLanes; ++lane) {
+                        if (tubes[i].isSeen[lane]) seen[lane].push_back(tubes[i].lane(lane));
+                    }
+                }
+            }
+            for (int x = begin; x < end; ++x) {
+                const std::size_t pixel = row + std::size_t(x);
+                if (mRays.mOnly && !mRays.mOnly[pixel]) continue;
+                const std::size_t first = mSeen.size();
+                for (const SeenTube& tube : seen[x - begin]) {
+                    const glm::vec3 own = tube.color * mRays.mBrightness;
+                    mColors.push_back(glm::vec4(glm::mix(own, background, tube.far), 1) * tube.alpha);
+                    mSeen.push_back(tube);
+                }
+                mDivided.push_back({pixel, first, mSeen.size()});
+                mRays.mBegins[pixel] = 0;
+            }
         }
 
         void setPart(const Divided& ray)

@@ -1,17 +1,20 @@
 #include "vdblic/cast/extinction_grid.h"
 
-#include "vdblic/cast/tube_tree.h"
+#include "vdblic/cast/shown_tubes.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/volume/leaf_extinctions.h"
 
 #include <glm/vec4.hpp>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace vdblic {
 namespace {
@@ -58,7 +61,8 @@ openvdb::CoordBBox withTubes(const openvdb::CoordBBox& voxels, const PlacedBox& 
 
 } // namespace
 
-ExtinctionGrid::ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange, const TubeTree* tubes)
+ExtinctionGrid::ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange,
+                               const ShownTubes* tubes)
 {
     openvdb::CoordBBox box;
     for (std::size_t leaf = 0; leaf < volume.domain().leafCount(); ++leaf)
@@ -71,26 +75,26 @@ ExtinctionGrid::ExtinctionGrid(const TextureVolume& volume, const Look& look, Ex
     setValues(sums);
 }
 
-ExtinctionGrid::ExtinctionGrid(const TubeTree& tree)
+ExtinctionGrid::ExtinctionGrid(const ShownTubes& shown)
 {
-    const Tubes& tubes = tree.tubes();
+    const Tubes& tubes = shown.tubes();
     cover({voxelAt(tubes.low() + 0.5), voxelAt(tubes.high() - 0.5)});
     Sums sums(index(mDim - openvdb::Coord(1)) + 1);
-    add(tree, tubes, sums);
+    add(shown, tubes, sums);
     setValues(sums);
 }
 
 /// Add tubes. One attenuates the light behind it once, whatever its thickness.
 /// @param box whose voxels the cells cover
-void ExtinctionGrid::add(const TubeTree& tree, const PlacedBox& box, Sums& sums) const
+void ExtinctionGrid::add(const ShownTubes& shown, const PlacedBox& box, Sums& sums) const
 {
-    const Tubes& tubes = tree.tubes();
+    const Tubes& tubes = shown.tubes();
     const bool isOwn = &box == &tubes;
     const glm::dmat4 toBox = box.worldToIndex() * tubes.indexToWorld();
     const double scale = isOwn ? 1 : tubes.voxelSize() / box.voxelSize();
     const int cellOfTubes = int(std::clamp(mCell / scale, 1.0, 1e6));
-    tubes.forPieces(tree.cones(), cellOfTubes, [&](const Tubes::Piece& piece) {
-        const auto share = double(tree.alpha(piece.driver, piece.opacity));
+    const auto addPiece = [&](const Tubes::Piece& piece) {
+        const auto share = double(shown.alpha(broadcast8(piece.driver), broadcast8(piece.opacity))[0]);
         const glm::dvec3 place = isOwn ? piece.place : glm::dvec3(toBox * glm::dvec4(piece.place, 1));
         openvdb::Coord cell;
         for (int axis = 0; axis < 3; ++axis) {
@@ -99,7 +103,12 @@ void ExtinctionGrid::add(const TubeTree& tree, const PlacedBox& box, Sums& sums)
             cell[axis] = int(std::clamp(from, 0.0, last)) / mCell;
         }
         const double most = 0x1p60, area = piece.area * scale * scale;
-        sums[index(cell)] += std::uint64_t(std::min(share * area * double(kSumUnits), most));
+        const auto sum = std::uint64_t(std::min(share * area * double(kSumUnits), most));
+        std::atomic_ref(sums[index(cell)]).fetch_add(sum, std::memory_order_relaxed); // order does not matter
+    };
+    const std::span<const std::uint32_t> cones = shown.cones();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cones.size(), 256), [&](const auto& range) {
+        tubes.forPieces(cones.subspan(range.begin(), range.size()), cellOfTubes, addPiece);
     });
 }
 

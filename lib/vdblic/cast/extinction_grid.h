@@ -11,7 +11,7 @@ namespace vdblic {
 class Exchange;
 class PlacedBox;
 class TextureVolume;
-class TubeTree;
+class ShownTubes;
 struct Look;
 
 /// The extinction of a volume's visible voxels under a look, on a coarse grid over the volume's bounds.
@@ -23,9 +23,10 @@ class ExtinctionGrid {
   public:
     /// @param exchange of the ranks that share the volume: collective
     /// @param tubes    in the volume or around it, at most as far as it is long; or null
-    ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange, const TubeTree* tubes = nullptr);
+    ExtinctionGrid(const TextureVolume& volume, const Look& look, Exchange& exchange,
+                   const ShownTubes* tubes = nullptr);
     /// The extinction of tubes, each taken as short pieces spread evenly through its cells.
-    explicit ExtinctionGrid(const TubeTree& tree);
+    explicit ExtinctionGrid(const ShownTubes& shown);
 
     [[nodiscard]] const openvdb::Coord& origin() const { return mOrigin; } ///< first voxel of the first cell
     [[nodiscard]] const openvdb::Coord& dim() const { return mDim; }       ///< number of cells, at least 2
@@ -42,7 +43,7 @@ class ExtinctionGrid {
     void cover(const openvdb::CoordBBox& voxels);
     using Sums = std::vector<std::uint64_t>; // over the voxels of the cells
     [[nodiscard]] Sums sum(const TextureVolume& volume, const Look& look, Exchange& exchange) const;
-    void add(const TubeTree& tree, const PlacedBox& box, Sums& sums) const;
+    void add(const ShownTubes& shown, const PlacedBox& box, Sums& sums) const;
     void setValues(const Sums& sums);
 
     openvdb::Coord mOrigin{0}, mDim{2};

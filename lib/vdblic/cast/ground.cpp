@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace vdblic {
 namespace {
@@ -32,7 +33,8 @@ glm::vec3 lightened(const glm::vec3& color)
 
 } // namespace
 
-void Ground::addTo(SurfacePicture& picture, const PlacedBox& box, const Look& look, const Camera& camera, int ray) const
+void Ground::addTo(SurfacePicture& picture, const PlacedBox& box, const Look& look, const Camera& camera, int ray,
+                   const std::uint8_t* only) const
 {
     const PixelRays rays(camera, ray);
     const DepthCue cue(box, look, camera);
@@ -44,7 +46,7 @@ void Ground::addTo(SurfacePicture& picture, const PlacedBox& box, const Look& lo
         const glm::vec3 color = lightened(behind * exposure) / exposure;
         for (int x = area.low.x; x < area.high.x; ++x) {
             const std::size_t i = std::size_t(y) * std::size_t(camera.size().x) + std::size_t(x);
-            if (std::isfinite(picture.depths[i])) continue;
+            if (std::isfinite(picture.depths[i]) || (only && !only[i])) continue;
             const auto [origin, direction] = rays.at(x, y);
             const double above = glm::dot(origin, mPlane.normal) - mPlane.height;
             const double slope = glm::dot(direction, mPlane.normal);

@@ -5,6 +5,8 @@
 
 #include <glm/vec3.hpp>
 
+#include <cstdint>
+
 namespace vdblic {
 
 class Camera;
@@ -22,8 +24,9 @@ class Ground {
     {
     }
 
-    /// Add the visible ground to pixels that show no surface. @param ray index among each pixel's rays
-    void addTo(SurfacePicture& picture, const PlacedBox& box, const Look& look, const Camera& camera, int ray) const;
+    /// Add the visible ground to pixels that show no surface. @param ray, only as in castSurfaces()
+    void addTo(SurfacePicture& picture, const PlacedBox& box, const Look& look, const Camera& camera, int ray,
+               const std::uint8_t* only) const;
 
   private:
     GroundPlane mPlane;

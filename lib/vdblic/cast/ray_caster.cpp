@@ -73,7 +73,7 @@ Image castRays(const TextureVolume& volume, const Look& look, const Camera& came
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
     if (params.layers) image.layers.resize(image.pixels.size(), PixelLayers{.depth = scenery.tubes ? 0 : kNowhere});
-    const std::optional<SurfacePicture> surfaces = castSurfaces(scenery, volume, look, camera, ray);
+    const std::optional<SurfacePicture> surfaces = castSurfaces(scenery, volume, look, camera, ray, only);
     const SurfacePicture* const behind = surfaces ? &*surfaces : nullptr;
     std::optional<DividedRays> divided;
     if (scenery.tubes) divided.emplace(scenery, volume, look, camera, params, ray, behind, only);

@@ -48,7 +48,7 @@ double diffuseLight(const Shading& shading, const glm::dvec3& normal, const glm:
 /// Find the first surface of a solid along each pixel's ray, and light it by the look's lights.
 /// @param color linear light  @param light shadows inside the box, or null  @param ray index among each pixel's rays
 SurfacePicture castSolid(const Solid& solid, const glm::vec3& color, const PlacedBox& box, const Look& look,
-                         const Camera& camera, const LightGrid* light, int ray)
+                         const Camera& camera, const LightGrid* light, int ray, const std::uint8_t* only)
 {
     using Vec3 = openvdb::Vec3d;
     const glm::ivec2 size = camera.size();
@@ -68,6 +68,8 @@ SurfacePicture castSolid(const Solid& solid, const glm::vec3& color, const Place
             auto intersector = prototype; // NOLINT(performance-unnecessary-copy-initialization): it has a cache
             for (int y = rows.begin(); y < rows.end(); ++y) {
                 for (int x = camera.area().low.x; x < camera.area().high.x; ++x) {
+                    const auto i = std::size_t(y) * std::size_t(size.x) + std::size_t(x);
+                    if (only && !only[i]) continue;
                     const auto [origin, direction] = rays.at(x, y);
                     const glm::dvec3 eye(solid.worldToIndex * glm::dvec4(origin, 1)), along = linear * direction;
                     const double perDepth = glm::length(along);
@@ -80,7 +82,6 @@ SurfacePicture castSolid(const Solid& solid, const glm::vec3& color, const Place
                     const double depth = distance / perDepth;
                     const glm::dvec3 normal =
                         glm::normalize(glm::transpose(linear) * glm::dvec3(gradient[0], gradient[1], gradient[2]));
-                    const auto i = std::size_t(y) * std::size_t(size.x) + std::size_t(x);
                     const glm::dvec3 place = origin + direction * depth;
                     double lit = diffuseLight(look.shading, normal, glm::normalize(direction));
                     if (light) { // of the cell in front of the solid
@@ -105,19 +106,19 @@ SurfacePicture castSolid(const Solid& solid, const glm::vec3& color, const Place
 } // namespace
 
 std::optional<SurfacePicture> castSurfaces(const Scenery& scenery, const PlacedBox& box, const Look& look,
-                                           const Camera& camera, int ray)
+                                           const Camera& camera, int ray, const std::uint8_t* only)
 {
     if (!scenery.solid && !scenery.ground) return std::nullopt;
     SurfacePicture surfaces;
     if (scenery.solid) {
-        surfaces = castSolid(*scenery.solid, scenery.solidColor, box, look, camera, scenery.light, ray);
+        surfaces = castSolid(*scenery.solid, scenery.solidColor, box, look, camera, scenery.light, ray, only);
     } else {
         const auto count = std::size_t(camera.size().x) * std::size_t(camera.size().y);
         surfaces.depths.assign(count, std::numeric_limits<float>::infinity());
         surfaces.colors.resize(count);
         surfaces.normals.resize(count);
     }
-    if (scenery.ground) scenery.ground->addTo(surfaces, box, look, camera, ray);
+    if (scenery.ground) scenery.ground->addTo(surfaces, box, look, camera, ray, only);
     return surfaces;
 }
 

@@ -37,8 +37,9 @@ struct SurfacePicture {
 
 /// The solid and the ground that each pixel's ray meets first; nullopt if there is neither. Thread-safe.
 /// @param box of the volume in front  @param ray index among each pixel's rays
+/// @param only by pixel: whether its surface is wanted; null: all are
 [[nodiscard]] std::optional<SurfacePicture> castSurfaces(const Scenery& scenery, const PlacedBox& box, const Look& look,
-                                                         const Camera& camera, int ray);
+                                                         const Camera& camera, int ray, const std::uint8_t* only);
 
 /// Blend surfaces behind the cast pixels of an image.
 /// @param only by pixel: whether it was cast; null: all were

@@ -21,6 +21,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -43,38 +44,50 @@ struct DepthSpan {
     }
 };
 
-/// The sums over the tubes on a ray.
-struct TubeSum {
-    float left = 1; ///< transmittance
-    glm::vec3 color{0};
-    float far = 0; ///< weight of the background that is seen in tubes
-    PixelLayers layers{.depth = 0};
+/// The sums over the tubes on each ray of a packet.
+struct TubeSums {
+    Float8 left = broadcast8(1); ///< transmittance
+    Vector8 color{};
+    Float8 far{}; ///< weight of the background that is seen in tubes
+    Float8 depth{}, driver{}, texture{};
+    Vector8 normal{};
+    Int8 count{};
 
-    void add(const SeenTube& tube)
+    VDBLIC_INLINE void add(const SeenTubes& tubes, bool hasLayers)
     {
-        const float weight = left * tube.alpha;
-        layers.samples += 1;
-        color += tube.color * ((1 - tube.far) * weight);
-        far += tube.far * weight;
-        layers.depth += tube.depth * weight;
-        layers.driver += tube.driver * weight;
-        layers.texture += tube.texture * weight;
-        layers.normal += tube.normal * weight;
+        const Float8 weight = left * tubes.alpha;
+        color = color + tubes.color * ((1 - tubes.far) * weight);
+        far += tubes.far * weight;
         left -= weight;
+        if (!hasLayers) return;
+        count -= tubes.isSeen; // true is −1
+        depth += tubes.depth * weight;
+        driver += tubes.driver * weight;
+        texture += tubes.texture * weight;
+        normal = normal + tubes.normal * weight;
+    }
+    [[nodiscard]] PixelLayers layers(int lane) const
+    {
+        PixelLayers layers;
+        layers.samples = float(count[lane]);
+        const float alpha = 1 - left[lane];
+        if (!(alpha > 0)) return layers;
+        layers.depth = depth[lane] / alpha;
+        layers.driver = driver[lane] / alpha;
+        layers.texture = texture[lane] / alpha;
+        const glm::vec3 sum(normal.x[lane], normal.y[lane], normal.z[lane]);
+        if (const float length = glm::length(sum); length > 0) layers.normal = sum / length;
+        return layers;
     }
 };
 
-PixelLayers layersOf(const TubeSum& sum)
+VDBLIC_KERNEL void trace(const TubeCaster& caster, TubeCaster::Packet& packet, bool hasLayers, TubeSums& sums)
 {
-    PixelLayers layers;
-    layers.samples = sum.layers.samples;
-    const float alpha = 1 - sum.left;
-    if (!(alpha > 0)) return layers;
-    layers.depth = sum.layers.depth / alpha;
-    layers.driver = sum.layers.driver / alpha;
-    layers.texture = sum.layers.texture / alpha;
-    if (const float length = glm::length(sum.layers.normal); length > 0) layers.normal = sum.layers.normal / length;
-    return layers;
+    SeenTubes tubes[TubeCaster::kMostTubes];
+    while (const int count = caster.next(packet, tubes)) {
+        for (int i = 0; i < count; ++i)
+            sums.add(tubes[i], hasLayers);
+    }
 }
 
 } // namespace
@@ -83,85 +96,92 @@ TubeCaster::TubeCaster(const TubeTree& tree, const Look& look, const Camera& cam
                        const PlacedBox& box, const LightGrid* light)
     : mTree(tree), mTubes(tree.tubes()), mLook(look), mLight(light),
       mLeastTransmittance(float(params.leastTransmittance)), mVoxel(box.voxelSize() * mTubes.unitsPerWorld()),
+      mReach(glm::length(glm::dvec3(mTubes.worldToTubes() * glm::dvec4(mTubes.corners().front(), 1)))),
       mCuts(params.clip.allPlanes()), mLighting(look.shading), mCue(box, look, camera), mToTubes(mTubes.worldToTubes()),
       mToLight(box.worldToIndex() * glm::inverse(mTubes.worldToTubes()))
 {
 }
 
-/// The ray through a pixel; nullopt if it is cut away.
-std::optional<TubeCaster::Ray> TubeCaster::rayOf(const PixelRays::Line& pixel, double end) const
+void TubeCaster::add(const PixelRays::Line& pixel, double end, int lane, Packet& packet) const
 {
     const DepthSpan span(pixel, end, mCuts);
-    if (!(span.enter < span.leave)) return std::nullopt;
+    if (!(span.enter < span.leave)) return;
     const glm::dvec3 origin(mToTubes * glm::dvec4(pixel.origin, 1));
     const glm::dvec3 along = glm::dmat3(mToTubes) * pixel.direction;
     const double unitsPerDepth = glm::length(along);
     const glm::dvec3 direction = along / unitsPerDepth;
     // From the point next to the middle of the box, so that single precision serves.
-    const double reach = glm::length(glm::dvec3(mToTubes * glm::dvec4(mTubes.corners().front(), 1)));
-    const double begin = std::max(span.enter * unitsPerDepth, -glm::dot(origin, direction) - 2 * reach);
-    const double leave = std::min(span.leave * unitsPerDepth - begin, 8 * reach);
-    if (!(leave > 0)) return std::nullopt;
-    const glm::dvec3 from = origin + direction * begin;
-    return Ray{{{float(from.x), float(from.y), float(from.z)},
-                {float(direction.x), float(direction.y), float(direction.z)},
-                float(leave),
-                mLeastTransmittance},
-               glm::vec3(glm::normalize(pixel.direction)),
-               begin / unitsPerDepth,
-               1 / unitsPerDepth};
+    const double begin = std::max(span.enter * unitsPerDepth, -glm::dot(origin, direction) - 2 * mReach);
+    const double leave = std::min(span.leave * unitsPerDepth - begin, 8 * mReach);
+    if (!(leave > 0)) return;
+    const auto lanesOf = [](const glm::dvec3& v) { return Float4{float(v.x), float(v.y), float(v.z), 0}; };
+    packet.lines.origin.setLane(lane, lanesOf(origin + direction * begin));
+    packet.lines.direction.setLane(lane, lanesOf(direction));
+    packet.lines.end[lane] = float(leave);
+    packet.lines.least[lane] = mLeastTransmittance;
+    packet.lines.isActive[lane] = -1;
+    packet.direction.setLane(lane, lanesOf(glm::normalize(pixel.direction)));
+    packet.begin[lane] = float(begin / unitsPerDepth);
+    packet.depthPerUnit[lane] = float(1 / unitsPerDepth);
 }
 
 VDBLIC_KERNEL
-void TubeCaster::light(const Ray& ray, const TubeTree::Hit* hits, int count, SeenTube* seen) const
+int TubeCaster::next(Packet& packet, SeenTubes* tubes) const
 {
-    static_assert(TubeTree::kMostHits == kLanes);
+    TubeTree::Hits hits[TubeTree::kMostHits];
+    const int count = mTree.next(packet.lines, hits);
+    for (int i = 0; i < count; ++i)
+        tubes[i] = light(packet, hits[i]);
+    return count;
+}
+
+VDBLIC_INLINE SeenTubes TubeCaster::light(const Packet& packet, const TubeTree::Hits& hits) const
+{
     const bool hasColors = !mTubes.colors().empty();
-    Float8 driver{}, value{}, opacity{}, distance{}, normal[3] = {};
-    for (int i = 0; i < count; ++i) {
-        const std::uint32_t first = mTubes.cones()[hits[i].cone].first;
-        driver[i] = Tubes::valueAt(mTubes.drivers(), first, hits[i].share);
-        if (hasColors) value[i] = Tubes::valueAt(mTubes.colors(), first, hits[i].share);
-        opacity[i] = Tubes::valueAt(mTubes.opacities(), first, hits[i].share);
-        distance[i] = hits[i].distance;
-        for (int axis = 0; axis < 3; ++axis)
-            normal[axis][i] = hits[i].normal[axis];
-    }
-    const Int8 entry = hasColors ? mLook.transfer.colorEntries(value) : mLook.transfer.entries(driver);
+    std::uint32_t first[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane)
+        first[lane] = mTubes.cones()[std::size_t(hits.cone[lane])].first;
+    const Float8 driver = Tubes::valuesAt(mTubes.drivers(), first, hits.share);
+    const Float8 value = hasColors ? Tubes::valuesAt(mTubes.colors(), first, hits.share) : driver;
+    const Float8 opacity = Tubes::valuesAt(mTubes.opacities(), first, hits.share);
+    const Int8 entry = hasColors ? mLook.transfer.colorEntries(value) : mLook.transfer.entries(value);
+    const Float8 normal[] = {hits.normal.x, hits.normal.y, hits.normal.z};
     Light light{broadcast8(1), Float8{}};
     if (mLook.shading.model != ShadingModel::kNone) {
-        const Float8 view[] = {broadcast8(ray.direction.x), broadcast8(ray.direction.y), broadcast8(ray.direction.z)};
+        const Float8 view[] = {packet.direction.x, packet.direction.y, packet.direction.z};
         light = mLighting.surface(normal, view);
     }
-    const Float8 depth = float(ray.begin) + float(ray.depthPerUnit) * distance;
-    const Float8 far = mCue.share(depth);
+    const Float8 depth = packet.begin + packet.depthPerUnit * hits.distance;
     if (mLight) {
-        const Float8 arriving = arrivingLight(ray, distance, normal);
+        const Float8 arriving = arrivingLight(packet, hits);
         light = {light.lit * arriving, light.white * arriving};
     }
-    for (int i = 0; i < count; ++i) {
-        const TransferFunction::Entry& shown = mLook.transfer.table()[entry[i]];
-        seen[i] = {.alpha = hits[i].alpha,
-                   .color = glm::vec3(shown.red, shown.green, shown.blue) * light.lit[i] + light.white[i],
-                   .far = far[i],
-                   .depth = depth[i],
-                   .driver = hasColors ? value[i] : driver[i],
-                   .texture = opacity[i],
-                   .normal = glm::vec3(normal[0][i], normal[1][i], normal[2][i])};
-    }
+    Float4 shown[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane)
+        std::memcpy(&shown[lane], &mLook.transfer.table()[entry[lane]], sizeof shown[lane]);
+    Float8 channels[4];
+    transpose(shown, channels);
+    return {.isSeen = hits.isThere,
+            .alpha = hits.alpha,
+            .color = {channels[0] * light.lit + light.white, channels[1] * light.lit + light.white,
+                      channels[2] * light.lit + light.white},
+            .far = mCue.share(depth),
+            .depth = depth,
+            .driver = value,
+            .texture = opacity,
+            .normal = hits.normal};
 }
 
 /// Factors on the light, of the cell in front of each surface.
-VDBLIC_INLINE Float8 TubeCaster::arrivingLight(const Ray& ray, Float8 distance, const Float8* normal) const
+VDBLIC_INLINE Float8 TubeCaster::arrivingLight(const Packet& packet, const TubeTree::Hits& hits) const
 {
     constexpr float kOutward = 0.5f; // cells
     const float outward = kOutward * float(mLight->cell()) * float(mVoxel);
-    Float8 at[3], position[3];
-    for (int axis = 0; axis < 3; ++axis)
-        at[axis] = ray.line.origin[axis] + ray.line.direction[axis] * distance + outward * normal[axis];
+    const Vector8 at = packet.lines.origin + packet.lines.direction * hits.distance + hits.normal * outward;
+    Float8 position[3];
     for (int axis = 0; axis < 3; ++axis) {
-        position[axis] = float(mToLight[0][axis]) * at[0] + float(mToLight[1][axis]) * at[1] +
-                         float(mToLight[2][axis]) * at[2] + float(mToLight[3][axis]);
+        position[axis] = float(mToLight[0][axis]) * at.x + float(mToLight[1][axis]) * at.y +
+                         float(mToLight[2][axis]) * at.z + float(mToLight[3][axis]);
     }
     return mLight->at(position);
 }
@@ -172,7 +192,7 @@ Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, co
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
     if (params.layers) image.layers.resize(image.pixels.size());
-    const std::optional<SurfacePicture> surfaces = castSurfaces(scenery, tree.tubes(), look, camera, ray);
+    const std::optional<SurfacePicture> surfaces = castSurfaces(scenery, tree.tubes(), look, camera, ray, only);
     const std::vector<glm::vec3> background = look.backgroundRows(size.y);
     const TubeCaster caster(tree, look, camera, params, tree.tubes(), scenery.light);
     const PixelRays rays(camera, ray);
@@ -182,17 +202,34 @@ Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, co
     tbb::parallel_for(0, tiles.x * tiles.y, [&](int tile) {
         if (stop.stop_requested()) return;
         const glm::ivec2 low = area.low + glm::ivec2(tile % tiles.x, tile / tiles.x) * kTile;
-        for (int y = low.y; y < std::min(low.y + kTile, area.high.y); ++y) {
-            for (int x = low.x; x < std::min(low.x + kTile, area.high.x); ++x) {
-                const std::size_t pixel = std::size_t(y) * std::size_t(size.x) + std::size_t(x);
-                if (only && !only[pixel]) continue;
-                const double end = surfaces ? double(surfaces->depths[pixel]) : std::numeric_limits<double>::infinity();
-                TubeSum sum;
-                caster.trace(rays.at(x, y), end, [&](const SeenTube& tube) { sum.add(tube); });
-                image.pixels[pixel] = glm::vec4(sum.color + background[std::size_t(y)] * sum.far, 1 - sum.left);
-                if (params.layers) image.layers[pixel] = layersOf(sum);
+        TubeCaster::Packet packet;
+        std::size_t pixels[kLanes];
+        int count = 0;
+        const auto cast = [&] {
+            TubeSums sums;
+            trace(caster, packet, params.layers, sums);
+            for (int lane = 0; lane < count; ++lane) {
+                const std::size_t pixel = pixels[lane];
+                const glm::vec3 behind = background[pixel / std::size_t(size.x)];
+                const glm::vec3 color(sums.color.x[lane], sums.color.y[lane], sums.color.z[lane]);
+                image.pixels[pixel] = glm::vec4(color + behind * sums.far[lane], 1 - sums.left[lane]);
+                if (params.layers) image.layers[pixel] = sums.layers(lane);
             }
+            packet = {};
+            count = 0;
+        };
+        for (int i = 0; i < kTile * kTile; ++i) { // in blocks of 4 × 2 pixels
+            const int block = i / kLanes, blocks = kTile / 4;
+            const glm::ivec2 at = low + glm::ivec2(block % blocks * 4 + i % 4, block / blocks * 2 + i / 4 % 2);
+            if (at.x >= area.high.x || at.y >= area.high.y) continue;
+            const std::size_t pixel = std::size_t(at.y) * std::size_t(size.x) + std::size_t(at.x);
+            if (only && !only[pixel]) continue;
+            const double end = surfaces ? double(surfaces->depths[pixel]) : std::numeric_limits<double>::infinity();
+            pixels[count] = pixel;
+            caster.add(rays.at(at.x, at.y), end, count, packet);
+            if (++count == kLanes) cast();
         }
+        cast();
     });
     if (stop.stop_requested()) throw Stopped{};
     if (surfaces) addBehind(*surfaces, only, image);

@@ -6,13 +6,13 @@
 #include "vdblic/cast/pixel_rays.h"
 #include "vdblic/cast/surface_picture.h"
 #include "vdblic/cast/tube_tree.h"
+#include "vdblic/field/vector.h"
 #include "vdblic/image/image.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
 #include <cstdint>
-#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -33,6 +33,26 @@ struct SeenTube {
     glm::vec3 normal; ///< world space, of length 1
 };
 
+/// Tubes where rays enter them, one a lane.
+struct SeenTubes {
+    Int8 isSeen;
+    Float8 alpha;
+    Vector8 color;
+    Float8 far, depth, driver, texture;
+    Vector8 normal;
+
+    [[nodiscard]] SeenTube lane(int i) const
+    {
+        return {.alpha = alpha[i],
+                .color = {color.x[i], color.y[i], color.z[i]},
+                .far = far[i],
+                .depth = depth[i],
+                .driver = driver[i],
+                .texture = texture[i],
+                .normal = {normal.x[i], normal.y[i], normal.z[i]}};
+    }
+};
+
 /// Finds the tubes on the rays of a picture, and lights them as surfaces. A tube has one alpha wherever a ray enters
 /// it: one voxel's under the look's transfer function, with the line's own opacity as the texture's density. A ray that
 /// starts inside a tube, at a cut, does not see that tube. Immutable; any number of threads may read.
@@ -45,22 +65,25 @@ class TubeCaster {
     TubeCaster(const TubeTree& tree, const Look& look, const Camera& camera, const RayCastParams& params,
                const PlacedBox& box, const LightGrid* light);
 
-    /// Find the tubes on a ray inside all cuts, front to back, until little light is left.
-    /// @param end depth of the surface behind
-    /// @param see called with each tube
-    template<typename See>
-    void trace(const PixelRays::Line& pixel, double end, const See& see) const;
+    /// Rays that are traced together, one a lane.
+    struct Packet {
+        TubeTree::Rays lines{}; ///< they begin where cuts and the box's bounds let them
+        Vector8 direction{};    ///< in world space, of length 1
+        Float8 begin{};         ///< depth of the origin along the view axis [world]
+        Float8 depthPerUnit{};  ///< of the tubes' space
+    };
+    /// Put a ray into a lane of a packet. @param end depth of the surface behind
+    void add(const PixelRays::Line& pixel, double end, int lane, Packet& packet) const;
+
+    static constexpr int kMostTubes = TubeTree::kMostHits;
+    /// Find the next tubes on rays inside all cuts, front to back, until little light is left.
+    /// @param tubes receives up to kMostTubes of each ray
+    /// @return their number, of the ray with the most; 0 at the end
+    int next(Packet& packet, SeenTubes* tubes) const;
 
   private:
-    struct Ray {
-        TubeTree::Ray line;  ///< begins where cuts and the box's bounds let it
-        glm::vec3 direction; ///< in world space, of length 1
-        double begin;        ///< depth of its origin along the view axis [world]
-        double depthPerUnit; ///< of the tubes' space
-    };
-    [[nodiscard]] std::optional<Ray> rayOf(const PixelRays::Line& pixel, double end) const;
-    void light(const Ray& ray, const TubeTree::Hit* hits, int count, SeenTube* seen) const;
-    Float8 arrivingLight(const Ray& ray, Float8 distance, const Float8* normal) const;
+    SeenTubes light(const Packet& packet, const TubeTree::Hits& hits) const;
+    Float8 arrivingLight(const Packet& packet, const TubeTree::Hits& hits) const;
 
     const TubeTree& mTree;
     const Tubes& mTubes;
@@ -68,32 +91,12 @@ class TubeCaster {
     const LightGrid* mLight;
     float mLeastTransmittance;
     double mVoxel; // of the light [tubes' space]
+    double mReach; // from the middle of the box [tubes' space]
     std::vector<ClipPlane> mCuts;
     Lighting mLighting;
     DepthCue mCue;
     glm::dmat4 mToTubes, mToLight;
 };
-
-template<typename See>
-void TubeCaster::trace(const PixelRays::Line& pixel, double end, const See& see) const
-{
-    const std::optional<Ray> ray = rayOf(pixel, end);
-    if (!ray) return;
-    float left = 1;
-    TubeTree::Hit hits[TubeTree::kMostHits];
-    SeenTube seen[TubeTree::kMostHits];
-    int count = mTree.nearest(ray->line, nullptr, left, hits);
-    while (count > 0) {
-        light(*ray, hits, count, seen);
-        for (int i = 0; i < count; ++i) {
-            see(seen[i]);
-            left -= left * seen[i].alpha;
-        }
-        if (count < TubeTree::kMostHits || left < mLeastTransmittance) return;
-        const TubeTree::Hit last = hits[count - 1];
-        count = mTree.nearest(ray->line, &last, left, hits);
-    }
-}
 
 /// Cast a ray through each pixel's centre and blend the tubes that it enters, front to back, with early termination.
 /// The pixels do not depend on the number of threads. Thread-safe.

@@ -1,178 +1,159 @@
 #include "vdblic/cast/tube_tree.h"
 
-#include "vdblic/cast/lanes.h"
+#include "vdblic/cast/round_cones.h"
 
 #include <embree3/rtcore.h>
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include <algorithm>
-#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
 #include <new>
-#include <numbers>
-#include <optional>
 
 namespace vdblic {
 namespace {
 
-using Vec3 = glm::vec3;
+/// A place of each ray in the order of hits: by distance, then by the cone.
+struct Places {
+    Float8 distance;
+    Int8 cone; // index in TubeTree::cones()
+};
 
-Vec3 placeOf(const Tubes::Point& point)
+VDBLIC_INLINE Int8 areBefore(const Places& a, const Places& b)
 {
-    return {point.x, point.y, point.z};
+    return (a.distance < b.distance) | ((a.distance == b.distance) & (a.cone < b.cone));
 }
 
-/// The hull of two spheres.
-struct RoundCone {
-    Vec3 a, axis;         // centre of the first sphere, and the vector to the second one's
-    float radius, shrink; // of the first sphere; by how much the second one is smaller
-    float square;         // of the axis' length
+/// A hit of each ray. Where there is none its distance is infinite.
+struct Row {
+    Places at;
+    Float8 alpha;
 
-    RoundCone(const Tubes::Point& first, const Tubes::Point& second)
-        : a(placeOf(first)), axis(placeOf(second) - a), radius(first.radius), shrink(first.radius - second.radius),
-          square(glm::dot(axis, axis))
+    VDBLIC_INLINE void replace(Int8 mask, const Row& by)
     {
-    }
-
-    /// Whether a point lies well inside.
-    [[nodiscard]] bool holds(const Vec3& point) const
-    {
-        constexpr float kWell = 0.999f;
-        const Vec3 from = point - a;
-        const float along = square > 0 ? std::clamp(glm::dot(from, axis) / square, 0.0f, 1.0f) : 0;
-        const Vec3 aside = from - axis * along;
-        const float reach = kWell * (radius - shrink * along);
-        return glm::dot(aside, aside) < reach * reach;
+        at.distance = mask ? by.at.distance : at.distance;
+        at.cone = mask ? by.at.cone : at.cone;
+        alpha = mask ? by.alpha : alpha;
     }
 };
 
-/// Where a ray enters something.
-struct Entry {
-    float distance, share;
-    Vec3 normal;
-};
+constexpr float kNowhere = std::numeric_limits<float>::infinity();
 
-/// @param from of the sphere's centre to the ray's origin  @param direction of length 1
-std::optional<float> enterSphere(const Vec3& from, const Vec3& direction, float radius)
-{
-    const float middle = -glm::dot(from, direction);
-    const Vec3 aside = from + direction * middle;
-    const float rest = radius * radius - glm::dot(aside, aside);
-    if (!(rest > 0)) return std::nullopt;
-    return middle - std::sqrt(rest);
-}
-
-/// Where a line enters a round cone: its mantle, or one of its spheres. The mantle touches the spheres and holds them,
-/// so a line that misses it misses all (the quadratic equation as Quilez has it, "Rounded cone", 2018).
-/// @param from from the first sphere's centre to the ray's origin
-std::optional<Entry> enter(const RoundCone& cone, const Vec3& from, const Vec3& direction)
-{
-    const float square = cone.square - cone.shrink * cone.shrink;
-    if (square > 0) {
-        const float along = glm::dot(direction, cone.axis), start = glm::dot(from, cone.axis);
-        const float a = square - along * along;
-        const float b = square * glm::dot(from, direction) - start * along + along * cone.shrink * cone.radius;
-        const float c = square * glm::dot(from, from) - start * start + 2 * start * cone.shrink * cone.radius -
-                        cone.square * cone.radius * cone.radius;
-        const float discriminant = b * b - a * c;
-        if (!(discriminant >= 0)) return std::nullopt;
-        constexpr float kParallel = 1e-6f;
-        if (std::abs(a) > kParallel * square) {
-            const float distance = (-b - std::sqrt(discriminant)) / a;
-            const float height = start - cone.radius * cone.shrink + distance * along;
-            if (height >= 0 && height <= square) {
-                const Vec3 outward = (from + direction * distance) * square - cone.axis * height;
-                return Entry{distance, height / square, glm::normalize(outward)};
-            }
-        }
-    }
-    std::optional<Entry> best;
-    const auto meet = [&](const Vec3& fromCentre, float radius, float share) {
-        const std::optional<float> distance = enterSphere(fromCentre, direction, radius);
-        if (!distance || (best && best->distance <= *distance)) return;
-        best = Entry{*distance, share, (fromCentre + direction * *distance) / radius};
-    };
-    meet(from, cone.radius, 0);
-    meet(from - cone.axis, cone.radius - cone.shrink, 1);
-    return best;
-}
-
-/// A ray in Embree's tree, and its hits so far.
+/// Rays in Embree's tree, and their nearest hits so far, in order.
 struct Query {
     RTCIntersectContext context; // first: Embree passes its address
     const TubeTree* tree;
-    const TubeTree::Hit* after;
-    TubeTree::Hit* hits;
-    float left, least;
-    int count;
+    const TubeTree::Rays* rays;
+    Float8 end;                        // of the rays
+    int count;                         // of the rows with a hit
+    Row rows[TubeTree::kMostHits + 2]; // the first one lies before all hits, the last one is beyond the nearest
 };
 
-bool isBefore(const TubeTree::Hit& a, const TubeTree::Hit& b)
+/// The same cone in each lane.
+VDBLIC_INLINE RoundCones coneOf(const Tubes::Point& first, const Tubes::Point& second)
 {
-    return a.distance != b.distance ? a.distance < b.distance : a.cone < b.cone;
+    return {{broadcast8(first.x), broadcast8(first.y), broadcast8(first.z)},
+            broadcast8(first.radius),
+            {broadcast8(second.x), broadcast8(second.y), broadcast8(second.z)},
+            broadcast8(second.radius)};
 }
+
+/// Where rays enter round cones.
+struct Meeting {
+    Float8 middle; // distance of the ray's point that is nearest to the cone, from where distant rays keep their digits
+    Vector8 near;  // that point
+    Entries entries; // seen from there
+
+    VDBLIC_INLINE Meeting(Int8 mask, const RoundCones& cones, const TubeTree::Rays& rays)
+        : middle(dot(cones.a + cones.axis * 0.5f - rays.origin, rays.direction)),
+          near(rays.origin + rays.direction * middle), entries(enter(mask, cones, near - cones.a, rays.direction))
+    {
+    }
+};
 
 void boundsOf(const RTCBoundsFunctionArguments* arguments)
 {
-    const auto& tree = *static_cast<const TubeTree*>(arguments->geometryUserPtr);
-    const Tubes::Point* const ends = tree.tubes().points(tree.cones()[arguments->primID]);
-    const Vec3 first = placeOf(ends[0]), second = placeOf(ends[1]);
-    const Vec3 low = glm::min(first - ends[0].radius, second - ends[1].radius);
-    const Vec3 high = glm::max(first + ends[0].radius, second + ends[1].radius);
+    const auto& [a, b] = static_cast<const TubeTree*>(arguments->geometryUserPtr)->ends()[arguments->primID];
+    const glm::vec3 first(a.x, a.y, a.z), second(b.x, b.y, b.z);
+    const glm::vec3 low = glm::min(first - a.radius, second - b.radius);
+    const glm::vec3 high = glm::max(first + a.radius, second + b.radius);
     *arguments->bounds_o = {low.x, low.y, low.z, 0, high.x, high.y, high.z, 0};
 }
 
-/// Whether an entry into a cone lies inside of its line's next or previous cone, and so inside of the tube.
-bool isInner(const Tubes::Cone& cone, const Tubes::Point* ends, const Vec3& place)
+/// Keep hits that are among the nearest of their rays. A ray ends at the hit that leaves too little light.
+VDBLIC_INLINE void keep(Int8 mask, const Row& hits, Query& query)
 {
-    return (cone.hasPrevious && RoundCone(ends[-1], ends[0]).holds(place)) ||
-           (cone.hasNext && RoundCone(ends[1], ends[2]).holds(place));
-}
-
-/// Keep a hit if it is among the nearest. The ray ends at the hit that leaves too little light, and
-/// hits beyond it are dropped.
-void keep(const TubeTree::Hit& hit, Query& query, float& end)
-{
-    int at = query.count;
-    while (at > 0 && isBefore(hit, query.hits[at - 1]))
-        --at;
-    if (at == TubeTree::kMostHits) return;
-    const int kept = std::min(query.count, TubeTree::kMostHits - 1);
-    std::copy_backward(query.hits + at, query.hits + kept, query.hits + kept + 1);
-    query.hits[at] = hit;
-    query.count = kept + 1;
-    float left = query.left;
-    for (int i = 0; i < query.count; ++i) {
-        left -= left * query.hits[i].alpha;
-        if (left < query.least) query.count = i + 1;
+    constexpr int kMost = TubeTree::kMostHits;
+    int at = query.count + 1;
+    if (query.count < kMost) query.rows[++query.count].at.distance = broadcast8(kNowhere);
+    for (; anyOf(mask); --at) {
+        const Row& before = query.rows[at - 1];
+        const Int8 isNearer = mask & areBefore(hits.at, before.at);
+        query.rows[at].replace(mask, hits);
+        query.rows[at].replace(isNearer, before);
+        mask = isNearer;
     }
-    if (query.count == TubeTree::kMostHits || left < query.least) end = query.hits[query.count - 1].distance;
+    const Float8 last = query.rows[query.count].at.distance;
+    if (!anyOf(last < kNowhere)) --query.count;
+    const Float8 least = query.rays->least;
+    Float8 left = query.rays->left;
+    for (int i = 1; i <= query.count; ++i) {
+        const Row& row = query.rows[i];
+        const Int8 isLit = left >= least;
+        left -= left * (row.at.distance < kNowhere ? row.alpha : Float8{});
+        const Int8 isEnd = isLit & ((left < least) | broadcastInt8(-(i == kMost))) & (row.at.distance < query.end);
+        query.end = isEnd ? row.at.distance : query.end;
+    }
 }
 
-void intersect(const RTCIntersectFunctionNArguments* arguments)
+/// Whether entries into a cone lie inside its line's next or previous cone, and so inside the tube.
+VDBLIC_INLINE Int8 areInner(const Tubes::Cone& cone, const Tubes::Point* ends, const Vector8& places)
 {
-    if (arguments->valid[0] == 0) return;
-    RTCRay& ray = reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray;
+    Int8 inner{};
+    if (cone.hasPrevious) inner |= coneOf(ends[-1], ends[0]).hold(places);
+    if (cone.hasNext) inner |= coneOf(ends[1], ends[2]).hold(places);
+    return inner;
+}
+
+/// Of a cone and the rays that come near it: Embree passes all, or one at a time where it has no packets.
+VDBLIC_KERNEL void intersect(const RTCIntersectFunctionNArguments* arguments)
+{
     auto& query = *reinterpret_cast<Query*>(arguments->context);
-    const Tubes& tubes = query.tree->tubes();
-    const std::uint32_t number = query.tree->cones()[arguments->primID];
+    const TubeTree& tree = *query.tree;
+    const TubeTree::Rays& rays = *query.rays;
+    const unsigned count = arguments->N, shown = arguments->primID;
+    RTCRayN* const ways = RTCRayHitN_RayN(arguments->rayhit, count);
+    Int8 mask{};
+    if (count == kLanes) {
+        std::memcpy(&mask, arguments->valid, sizeof mask);
+    } else {
+        for (unsigned i = 0; i < count; ++i)
+            mask[RTCRayN_id(ways, count, i)] = arguments->valid[i];
+    }
+    const TubeTree::Ends& body = tree.ends()[shown];
+    const Meeting meeting(mask, coneOf(body.first, body.second), rays);
+    const Entries& entries = meeting.entries;
+    Row hits{{entries.distance + meeting.middle, broadcastInt8(int(shown))}, Float8{}};
+    mask = entries.isThere & (hits.at.distance > 0) & (hits.at.distance <= query.end) &
+           areBefore({rays.last, rays.lastCone}, hits.at);
+    if (!anyOf(mask)) return;
+    const Tubes& tubes = tree.tubes();
+    const std::uint32_t number = tree.cones()[shown];
     const Tubes::Cone& cone = tubes.cones()[number];
-    const Tubes::Point* const ends = tubes.points(number);
-    const RoundCone body(ends[0], ends[1]);
-    const Vec3 origin(ray.org_x, ray.org_y, ray.org_z), direction(ray.dir_x, ray.dir_y, ray.dir_z);
-    // From the point of the ray that is nearest to the cone, so that distant rays keep their digits.
-    const float middle = glm::dot(body.a + body.axis * 0.5f - origin, direction);
-    const Vec3 near = origin + direction * middle;
-    const std::optional<Entry> entry = enter(body, near - body.a, direction);
-    if (!entry || (cone.hasPrevious && entry->share == 0)) return; // the first sphere is the previous cone's
-    TubeTree::Hit hit{
-        entry->distance + middle, number, entry->share, 0, {entry->normal.x, entry->normal.y, entry->normal.z}};
-    if (!(hit.distance > 0) || hit.distance > ray.tfar || (query.after && !isBefore(*query.after, hit))) return;
-    hit.alpha = query.tree->alpha(Tubes::valueAt(tubes.drivers(), cone.first, hit.share),
-                                  Tubes::valueAt(tubes.opacities(), cone.first, hit.share));
-    if (!(hit.alpha > 0) || isInner(cone, ends, near + direction * entry->distance)) return;
-    keep(hit, query, ray.tfar);
+    if (cone.hasPrevious) mask &= entries.share != 0; // the first sphere is the previous cone's
+    hits.alpha = tree.alpha(Tubes::valuesAt(tubes.drivers(), cone.first, entries.share),
+                            Tubes::valuesAt(tubes.opacities(), cone.first, entries.share));
+    mask &= (hits.alpha > 0) & ~areInner(cone, tubes.points(number), meeting.near + rays.direction * entries.distance);
+    if (!anyOf(mask)) return;
+    keep(mask, hits, query);
+    if (count == kLanes) {
+        std::memcpy(&RTCRayN_tfar(ways, count, 0), &query.end, sizeof query.end);
+    } else {
+        for (unsigned i = 0; i < count; ++i)
+            RTCRayN_tfar(ways, count, i) = query.end[RTCRayN_id(ways, count, i)];
+    }
 }
 
 /// Of the process. Scenes hold it, too.
@@ -187,20 +168,16 @@ RTCDevice device()
 
 } // namespace
 
-TubeTree::TubeTree(const Tubes& tubes, const Look& look)
-    : mTubes(tubes), mTransfer(look.transfer), mTexture(look.texture)
+TubeTree::TubeTree(const Tubes& tubes, const Look& look) : ShownTubes(tubes, look)
 {
-    for (std::uint32_t number = 0; number < tubes.cones().size(); ++number) {
-        const std::uint32_t first = tubes.cones()[number].first;
-        const float a = Tubes::valueAt(tubes.drivers(), first, 0), b = Tubes::valueAt(tubes.drivers(), first, 1);
-        const bool isOpaque = tubes.opacities()[first] > 0 || tubes.opacities()[first + 1] > 0;
-        if (isOpaque && mTransfer.contributes(std::min(a, b), std::max(a, b))) mCones.push_back(number);
-    }
-    if (mCones.empty()) return;
+    if (cones().empty()) return;
+    mEnds.reserve(cones().size());
+    for (const std::uint32_t number : cones())
+        mEnds.push_back({tubes.points(number)[0], tubes.points(number)[1]});
     mScene = std::shared_ptr<RTCSceneTy>(rtcNewScene(device()), [](RTCScene old) { rtcReleaseScene(old); });
     rtcSetSceneFlags(mScene.get(), RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, unsigned(mCones.size()));
+    rtcSetGeometryUserPrimitiveCount(geometry, unsigned(mEnds.size()));
     rtcSetGeometryUserData(geometry, this); // for the bounds, which are computed in this function
     rtcSetGeometryBoundsFunction(geometry, boundsOf, nullptr);
     rtcSetGeometryIntersectFunction(geometry, intersect);
@@ -211,31 +188,56 @@ TubeTree::TubeTree(const Tubes& tubes, const Look& look)
     if (rtcGetDeviceError(device()) != RTC_ERROR_NONE) throw std::bad_alloc();
 }
 
-float TubeTree::alpha(float driver, float opacity) const
+VDBLIC_KERNEL int TubeTree::next(Rays& rays, Hits* hits) const
 {
-    const Float8 density = mTexture.density(mTexture.stretched(broadcast8(opacity)));
-    const float extinction = mTransfer.extinctions()[mTransfer.entries(broadcast8(driver))[0]];
-    return 1 - powerOfTwo(-std::numbers::log2e_v<float> * extinction * density)[0];
-}
-
-int TubeTree::nearest(const Ray& ray, const Hit* after, float left, Hit* hits) const
-{
-    if (!mScene) return 0;
-    Query query{{}, this, after, hits, left, ray.leastTransmittance, 0};
+    if (!mScene || !anyOf(rays.isActive)) return 0;
+    Query query;
     rtcInitIntersectContext(&query.context);
-    RTCRayHit way{};
-    RTCRay& line = way.ray;
-    line.org_x = ray.origin[0];
-    line.org_y = ray.origin[1];
-    line.org_z = ray.origin[2];
-    line.dir_x = ray.direction[0];
-    line.dir_y = ray.direction[1];
-    line.dir_z = ray.direction[2];
-    line.tnear = after ? after->distance : 0;
-    line.tfar = ray.end;
-    line.mask = ~0u;
-    way.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(mScene.get(), &query.context, &way);
+    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    query.tree = this;
+    query.rays = &rays;
+    query.end = rays.end;
+    query.count = 0;
+    query.rows[0].at = {broadcast8(-kNowhere), Int8{}};
+    RTCRayHit8 ways{};
+    std::memcpy(ways.ray.org_x, &rays.origin, sizeof rays.origin);
+    std::memcpy(ways.ray.dir_x, &rays.direction, sizeof rays.direction);
+    std::memcpy(ways.ray.tnear, &rays.last, sizeof rays.last);
+    std::memcpy(ways.ray.tfar, &rays.end, sizeof rays.end);
+    for (unsigned lane = 0; lane < kLanes; ++lane) {
+        ways.ray.mask[lane] = ~0u;
+        ways.ray.id[lane] = lane;
+        ways.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(reinterpret_cast<const int*>(&rays.isActive), mScene.get(), &query.context, &ways);
+    for (int i = 0; i < query.count; ++i) {
+        const Row& row = query.rows[i + 1];
+        const Int8 isThere = (row.at.distance < kNowhere) & (rays.left >= rays.least);
+        int shown[kLanes];
+        storeLanes(isThere ? row.at.cone : Int8{}, shown);
+        Float8 points[kLanes];
+        Int8 numbers{};
+        for (int lane = 0; lane < kLanes; ++lane) {
+            std::memcpy(&points[lane], &mEnds[std::size_t(shown[lane])], sizeof points[lane]);
+            numbers[lane] = int(cones()[std::size_t(shown[lane])]);
+        }
+        transpose(points, points);
+        const RoundCones bodies({points[0], points[1], points[2]}, points[3], {points[4], points[5], points[6]},
+                                points[7]);
+        const Entries entries = Meeting(isThere, bodies, rays).entries;
+        hits[i] = {.isThere = isThere,
+                   .distance = isThere ? row.at.distance : Float8{},
+                   .cone = numbers,
+                   .share = isThere ? entries.share : Float8{},
+                   .alpha = isThere ? row.alpha : Float8{},
+                   .normal = select(isThere, entries.normal, Vector8{})};
+        rays.left -= rays.left * hits[i].alpha;
+        rays.last = isThere ? row.at.distance : rays.last;
+        rays.lastCone = isThere ? row.at.cone : rays.lastCone;
+    }
+    const bool isFull = query.count == kMostHits;
+    rays.isActive &= (rays.left >= rays.least) & broadcastInt8(-isFull);
+    if (isFull) rays.isActive &= query.rows[kMostHits].at.distance < kNowhere;
     return query.count;
 }
 

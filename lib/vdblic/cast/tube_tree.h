@@ -1,9 +1,8 @@
 #pragma once
 
-#include "vdblic/cast/tubes.h"
-#include "vdblic/look/look.h"
+#include "vdblic/cast/shown_tubes.h"
+#include "vdblic/field/vector.h"
 
-#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -15,46 +14,48 @@ namespace vdblic {
 ///
 /// Embree (Wald et al. 2014) finds the cones near a ray; where a ray enters one is computed here, so that pixels depend
 /// neither on the processor nor on Embree's version. Immutable; any number of threads may read.
-class TubeTree {
+class TubeTree : public ShownTubes {
   public:
     /// @param tubes must outlive this
     /// @throws std::bad_alloc if Embree has too little memory
     TubeTree(const Tubes& tubes, const Look& look);
 
-    [[nodiscard]] const Tubes& tubes() const { return mTubes; }
-    /// The cones with a visible part, in order.
-    [[nodiscard]] const std::vector<std::uint32_t>& cones() const { return mCones; }
-    /// The alpha of a tube. @param driver not NaN  @param opacity of the line
-    [[nodiscard]] float alpha(float driver, float opacity) const;
-
-    /// Where a ray enters a tube.
-    struct Hit {
-        float distance;
-        std::uint32_t cone;
-        float share;     ///< position between the cone's first point, 0, and its second, 1
-        float alpha;     ///< of the tube
-        float normal[3]; ///< outward, of length 1
+    /// The two points of a cone.
+    struct alignas(32) Ends {
+        Tubes::Point first, second;
     };
-    /// A ray in the tubes' own space.
-    struct Ray {
-        float origin[3], direction[3]; ///< the direction has length 1
-        float end;
-        float leastTransmittance; ///< below which it ends
-    };
-    static constexpr int kMostHits = 8;
+    /// Of the visible cones: together in memory, since most of them are missed by the rays that come near.
+    [[nodiscard]] const std::vector<Ends>& ends() const { return mEnds; }
 
-    /// The nearest places where a ray enters visible tubes, in order: by distance, then by the number of the cone.
-    /// @param after  skip hits up to this one; null: skip none
-    /// @param left   transmittance before the first hit
-    /// @param hits   receives up to kMostHits; the last one may absorb the rest of the light
-    /// @return their number
-    int nearest(const Ray& ray, const Hit* after, float left, Hit* hits) const;
+    /// Rays in the tubes' own space, one a lane. Their search may be continued.
+    struct Rays {
+        Vector8 origin{}, direction{}; ///< the directions have length 1
+        Float8 end{};
+        Float8 least{};                    ///< transmittance below which a ray ends
+        Int8 isActive{};                   ///< whether a ray may have further hits
+        Float8 left = broadcast8(1);       ///< transmittance behind the last hit so far
+        Float8 last{};                     ///< distance of that hit
+        Int8 lastCone = broadcastInt8(-1); ///< its index in cones()
+    };
+    /// Where rays enter tubes, one a lane.
+    struct Hits {
+        Int8 isThere;
+        Float8 distance;
+        Int8 cone;
+        Float8 share;   ///< position between the cone's first point, 0, and its second, 1
+        Float8 alpha;   ///< of the tube; 0 where there is no hit
+        Vector8 normal; ///< outward, of length 1
+    };
+    static constexpr int kMostHits = 16;
+
+    /// The next places where rays enter visible tubes, in order: by distance, then by the number of the cone. The last
+    /// one may absorb the rest of a ray's light. Rays that are near each other take less time.
+    /// @param hits receives up to kMostHits of each ray
+    /// @return the most hits that a ray has; 0 if no ray has any more
+    int next(Rays& rays, Hits* hits) const;
 
   private:
-    const Tubes& mTubes;
-    TransferFunction mTransfer;
-    TextureModulation mTexture;
-    std::vector<std::uint32_t> mCones;
+    std::vector<Ends> mEnds;
     std::shared_ptr<RTCSceneTy> mScene;
 };
 

@@ -96,7 +96,7 @@ void Tubes::place(const Lines& lines, double perRadius)
 
 double Tubes::bytes() const
 {
-    constexpr double kTreePerCone = 110; // measured
+    constexpr double kTreePerCone = 110 + 2 * sizeof(Point); // measured, and the ends of the cones
     const double scalars = 1 + (mValues.driver.empty() ? 0 : 1) + (mValues.color.empty() ? 0 : 1);
     return double(mCones.size()) * (sizeof(Cone) + kTreePerCone) +
            double(mPoints.size()) * (sizeof(Point) + scalars * sizeof(float));

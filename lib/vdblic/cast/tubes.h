@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vdblic/field/vector.h"
 #include "vdblic/lines/lines.h"
 #include "vdblic/look/volume_values.h"
 #include "vdblic/volume/placed_box.h"
@@ -14,6 +15,7 @@
 #include <cstdint>
 #include <functional>
 #include <numbers>
+#include <span>
 #include <vector>
 
 namespace vdblic {
@@ -56,13 +58,29 @@ class Tubes : public PlacedBox {
     /// long cones.
     /// @param cones their numbers  @param cell edge of a cell [voxels of the box]
     template<typename Use>
-    void forPieces(const std::vector<std::uint32_t>& cones, int cell, const Use& use) const;
+    void forPieces(std::span<const std::uint32_t> cones, int cell, const Use& use) const;
 
     /// From the picture's world to the tubes' own space, whose unit is about a voxel.
     [[nodiscard]] const glm::dmat4& worldToTubes() const { return mWorldToTubes; }
     [[nodiscard]] double unitsPerWorld() const { return mUnitsPerWorld; }
     /// A value on a cone. @param values one a point; if one end is NaN, the other end's
     [[nodiscard]] static float valueAt(const std::vector<float>& values, std::uint32_t first, float share);
+    [[nodiscard]] VDBLIC_INLINE static Float8 valuesAt(const std::vector<float>& values, std::uint32_t first,
+                                                       Float8 share)
+    {
+        return between(broadcast8(values[first]), broadcast8(values[first + 1]), share);
+    }
+    /// The same of a cone in each lane.
+    [[nodiscard]] VDBLIC_INLINE static Float8 valuesAt(const std::vector<float>& values,
+                                                       const std::uint32_t (&first)[kLanes], Float8 share)
+    {
+        Float8 a, b;
+        for (int lane = 0; lane < kLanes; ++lane) {
+            a[lane] = values[first[lane]];
+            b[lane] = values[first[lane] + 1];
+        }
+        return between(a, b, share);
+    }
     [[nodiscard]] const std::vector<float>& drivers() const { return mValues.driver; }
     [[nodiscard]] const std::vector<float>& colors() const { return mValues.color; }
     [[nodiscard]] const std::vector<float>& opacities() const { return mOpacities; }
@@ -81,6 +99,11 @@ class Tubes : public PlacedBox {
     [[nodiscard]] const std::vector<Cone>& cones() const { return mCones; }
 
   private:
+    [[nodiscard]] VDBLIC_INLINE static Float8 between(Float8 a, Float8 b, Float8 share)
+    {
+        const Float8 value = b == b ? a + (b - a) * share : a;
+        return a == a ? value : b; // not for NaN
+    }
     void place(const Lines& lines, double perRadius);
     /// In the tubes' own space; of a line's last cone with that of a cylinder whose shadow is the ends'.
     [[nodiscard]] double length(std::uint32_t cone) const;
@@ -95,7 +118,7 @@ class Tubes : public PlacedBox {
 };
 
 template<typename Use>
-void Tubes::forPieces(const std::vector<std::uint32_t>& cones, int cell, const Use& use) const
+void Tubes::forPieces(std::span<const std::uint32_t> cones, int cell, const Use& use) const
 {
     constexpr double kMostPieces = 1000;
     const double voxel = voxelSize() * mUnitsPerWorld;

@@ -2,9 +2,9 @@
 
 #include "vdblic/cast/extinction_grid.h"
 #include "vdblic/cast/ground_plane.h"
+#include "vdblic/cast/shown_tubes.h"
 #include "vdblic/cast/solid.h"
 #include "vdblic/cast/tube_extent.h"
-#include "vdblic/cast/tube_tree.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/extent.h"
@@ -142,7 +142,7 @@ std::vector<glm::dvec3> visiblePoints(const LoadedTexture& frame, const Look& lo
                                       Exchange& exchange)
 {
     if (frame.volume) return visibleExtent(*frame.volume, look, clip, exchange);
-    return visibleExtent(*frame.tubes, ExtinctionGrid(TubeTree(*frame.tubes, look)), clip);
+    return visibleExtent(*frame.tubes, ExtinctionGrid(ShownTubes(*frame.tubes, look)), clip);
 }
 
 /// Add the points of the ground that lie below the points of a subject, where most of its shadow falls.

@@ -4,6 +4,7 @@
 #include "vdblic/cast/tube_caster.h"
 #include "vdblic/cast/tube_tree.h"
 #include "vdblic/cast/tubes.h"
+#include "vdblic/field/vector.h"
 #include "vdblic/look/look.h"
 
 #include <glm/geometric.hpp>
@@ -19,6 +20,7 @@
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -58,26 +60,45 @@ Look plain(double opacity)
     return {white, {.limbDarkening = 0, .foot = 0}, {.model = ShadingModel::kNone}};
 }
 
-/// All hits of a ray in world space; distances in world units.
-std::vector<TubeTree::Hit> hitsOf(const TubeTree& tree, const glm::dvec3& origin, const glm::dvec3& towards,
-                                  float least = 0)
+struct Hit {
+    float distance;
+    int cone;
+    float share, alpha, normal[3];
+};
+
+/// All hits of rays from a point in world space; distances in world units.
+/// @param towards directions, at most kLanes
+std::vector<std::vector<Hit>> hitsOf(const TubeTree& tree, const glm::dvec3& origin,
+                                     const std::vector<glm::dvec3>& towards, float least = 0)
 {
-    const glm::dmat4& toTubes = tree.tubes().worldToTubes();
-    const glm::dvec3 at(toTubes * glm::dvec4(origin, 1)), direction = glm::normalize(towards);
-    const TubeTree::Ray ray{{float(at.x), float(at.y), float(at.z)},
-                            {float(direction.x), float(direction.y), float(direction.z)},
-                            std::numeric_limits<float>::infinity(),
-                            least};
-    std::vector<TubeTree::Hit> hits;
-    TubeTree::Hit some[TubeTree::kMostHits];
-    int count = tree.nearest(ray, nullptr, 1, some);
-    while (count > 0) {
-        hits.insert(hits.end(), some, some + count);
-        count = count < TubeTree::kMostHits ? 0 : tree.nearest(ray, &hits.back(), 1, some);
+    const glm::dvec3 at(tree.tubes().worldToTubes() * glm::dvec4(origin, 1));
+    TubeTree::Rays rays{.end = broadcast8(std::numeric_limits<float>::infinity()), .least = broadcast8(least)};
+    for (std::size_t lane = 0; lane < towards.size(); ++lane) {
+        const glm::dvec3 direction = glm::normalize(towards[lane]);
+        rays.origin.setLane(int(lane), Float4{float(at.x), float(at.y), float(at.z), 0});
+        rays.direction.setLane(int(lane), Float4{float(direction.x), float(direction.y), float(direction.z), 0});
+        rays.isActive[lane] = -1;
     }
-    for (TubeTree::Hit& hit : hits)
-        hit.distance /= float(tree.tubes().unitsPerWorld());
+    std::vector<std::vector<Hit>> hits(towards.size());
+    TubeTree::Hits some[TubeTree::kMostHits];
+    while (const int count = tree.next(rays, some)) {
+        for (int i = 0; i < count; ++i) {
+            for (std::size_t lane = 0; lane < towards.size(); ++lane) {
+                if (!some[i].isThere[lane]) continue;
+                const Vector8& normal = some[i].normal;
+                hits[lane].push_back({some[i].distance[lane] / float(tree.tubes().unitsPerWorld()),
+                                      some[i].cone[lane],
+                                      some[i].share[lane],
+                                      some[i].alpha[lane],
+                                      {normal.x[lane], normal.y[lane], normal.z[lane]}});
+            }
+        }
+    }
     return hits;
+}
+std::vector<Hit> hitsOf(const TubeTree& tree, const glm::dvec3& origin, const glm::dvec3& towards, float least = 0)
+{
+    return hitsOf(tree, origin, std::vector{towards}, least).front();
 }
 
 /// The distance from a point to the surface of a line's tube, as of many spheres along it; negative inside.
@@ -105,7 +126,7 @@ TEST(Tubes, ARayMeetsAStraightTubeWhereACylinderIs)
     const auto hits = hitsOf(tree, {7, 0.3, 5}, {0, 0, -1});
     ASSERT_EQ(hits.size(), 1u);
     EXPECT_NEAR(hits[0].distance, 5 - std::sqrt(0.25 - 0.09), 1e-5);
-    EXPECT_EQ(hits[0].cone, 1u);
+    EXPECT_EQ(hits[0].cone, 1);
     EXPECT_NEAR(hits[0].share, 0.5, 1e-5);
     EXPECT_NEAR(hits[0].normal[1], 0.6, 1e-5);
     EXPECT_NEAR(hits[0].normal[2], 0.8, 1e-5);
@@ -151,7 +172,7 @@ TEST(Tubes, RaysEnterBentTubesWhereTheirSpheresBegin)
                 before = distance;
             }
         }
-        for (const TubeTree::Hit& hit : hits) {
+        for (const Hit& hit : hits) {
             double least = std::numeric_limits<double>::infinity();
             for (const Lines::Line& line : lines.lines)
                 least = std::min(least, std::abs(distanceTo(lines, line, origin + direction * double(hit.distance))));
@@ -172,6 +193,7 @@ TEST(Tubes, ARayMeetsMoreTubesThanItHoldsAtATime)
     Lines lines;
     for (int i = 0; i < 21; ++i)
         add(lines, {{-3, 0, 2.0f * float(i)}, {3, 0, 2.0f * float(i)}});
+    static_assert(21 > TubeTree::kMostHits);
     const Tubes tubes = tubesOf(lines);
     const auto hits = hitsOf(TubeTree(tubes, plain(0.01)), {0, 0, 100}, {0, 0, -1});
     ASSERT_EQ(hits.size(), 21u);
@@ -179,6 +201,38 @@ TEST(Tubes, ARayMeetsMoreTubesThanItHoldsAtATime)
         EXPECT_NEAR(hits[i].distance, 59.5 + 2.0 * double(i), 1e-3);
     // Of opaque ones it meets only as many as leave light.
     EXPECT_EQ(hitsOf(TubeTree(tubes, plain(0.9)), {0, 0, 100}, {0, 0, -1}, 1 / 256.0f).size(), 3u);
+}
+
+TEST(Tubes, ARayMeetsTheSameTubesAloneAndBesideOthers)
+{
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> place(-6, 6), radius(0.2f, 0.9f);
+    Lines lines;
+    for (int line = 0; line < 200; ++line)
+        add(lines, {{place(random), place(random), place(random), radius(random)},
+                    {place(random), place(random), place(random), radius(random)},
+                    {place(random), place(random), place(random), radius(random)}});
+    const Tubes tubes = tubesOf(lines);
+    std::size_t most = 0, least = 1000;
+    for (const auto& [opacity, end] : {std::pair{0.1, 0.0f}, {0.3, 0.2f}}) {
+        const TubeTree tree(tubes, plain(opacity));
+        std::vector<glm::dvec3> towards(kLanes);
+        for (glm::dvec3& direction : towards)
+            direction = {place(random), place(random), -30};
+        const auto together = hitsOf(tree, {0, 0, 30}, towards, end);
+        for (std::size_t i = 0; i < towards.size(); ++i) {
+            const std::vector<Hit> alone = hitsOf(tree, {0, 0, 30}, towards[i], end);
+            ASSERT_EQ(together[i].size(), alone.size());
+            most = std::max(most, alone.size());
+            least = std::min(least, alone.size());
+            for (std::size_t hit = 0; hit < alone.size(); ++hit) {
+                EXPECT_EQ(together[i][hit].distance, alone[hit].distance);
+                EXPECT_EQ(together[i][hit].cone, alone[hit].cone);
+            }
+        }
+    }
+    EXPECT_GT(most, std::size_t(TubeTree::kMostHits)); // both through several searches and through one
+    EXPECT_LT(least, std::size_t(TubeTree::kMostHits));
 }
 
 TEST(Tubes, WhatCannotBeSeenIsLeftOut)
