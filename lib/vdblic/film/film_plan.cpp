@@ -232,11 +232,12 @@ class FilmPlanner {
         mPlan.render["substeps"] = substeps.mapped();
     }
 
-    /// Fitted to default films of the wake and the ring, and to pictures of the wake with 0.2 to 3.7 million pixels.
+    /// Fitted to default films of the wake, a ring and a tornado, and to pictures of the wake with 0.2 to 3.7 million
+    /// pixels.
     void estimate(const StreakCost& cost)
     {
-        constexpr double kBytes = 220e6, kBytesPerPixel = 75, kBytesPerStreak = 560;
-        constexpr double kSecondsPerPixel = 6e-7, kSecondsPerPixelAndStreak = 4e-11;
+        constexpr double kBytes = 175e6, kBytesPerPixel = 75, kBytesPerStreak = 3500;
+        constexpr double kSecondsPerPixel = 5e-7, kSecondsPerPixelAndStreak = 2e-11;
         const double pixels = double(mParams.pictureSize().x) * mParams.pictureSize().y;
         mPlan.textureBytes = cost.bytes;
         mPlan.pictureBytes = kBytes + kBytesPerPixel * pixels + kBytesPerStreak * cost.streaks;

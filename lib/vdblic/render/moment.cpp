@@ -14,11 +14,6 @@
 namespace vdblic {
 namespace {
 
-Moment momentAt(const FrameFile& file)
-{
-    return {.file = file, .number = file.frame};
-}
-
 /// The moments of a pattern's lines: several for each interval between frames, numbered as vdblic_advect does.
 class Substeps {
   public:
@@ -82,7 +77,7 @@ std::vector<Moment> momentsOf(const RenderPlan& plan)
     std::vector<Moment> moments;
     if (plan.substeps == 1) {
         for (const FrameFile& file : selectFrames(plan.input))
-            moments.push_back(momentAt(file));
+            moments.push_back({.file = file});
         return moments;
     }
     const Substeps substeps(plan);
@@ -101,7 +96,7 @@ std::function<std::optional<Moment>()> openMoments(const RenderPlan& plan, std::
     if (plan.substeps == 1) {
         return [source = openSequence(plan.input, lines, count)]() -> std::optional<Moment> {
             const std::optional<FrameFile> file = source();
-            return file ? std::optional(momentAt(*file)) : std::nullopt;
+            return file ? std::optional(Moment{.file = *file}) : std::nullopt;
         };
     }
     auto moments = std::make_shared<const std::vector<Moment>>(momentsOf(plan));

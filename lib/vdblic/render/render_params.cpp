@@ -121,10 +121,11 @@ Parameters parametersOf(RenderParams& params)
                   "pattern with the texture's frame numbers. Colours are the texture's; opacity follows the grid of "
                   "--opacity-by, q or vorticity, the first that the lines carry.",
                   params.picture.lines, {.words = "FILE"}),
-        parameter("substeps",
-                  "Pictures of lines for each interval between frames: the lines move on along their paths. Numbers of "
-                  "pictures are those of vdblic_advect --substeps, of --frames too.",
-                  params.substeps, {.limits = {1, kMostSubsteps}}),
+        parameter(
+            "substeps",
+            "Pictures of lines for each interval between frames: the lines move on along their paths. Pictures are "
+            "numbered as by vdblic_advect --substeps, and --frames selects them by these numbers.",
+            params.substeps, {.limits = {1, kMostSubsteps}}),
         parameter("keep_going", "Leave out frames that cannot be read; the exit status tells at the end.",
                   params.keepGoing),
         parameter("histogram", "Histograms of texture and scalars with the transfer function over them, .png or .json.",
