@@ -4,6 +4,7 @@
 
 #include "vdblic/io/texture_name.h"
 #include "vdblic/render/picture.h"
+#include "vdblic/render/solid_maker.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -38,11 +39,9 @@ Image Renderer::of(const VdbFile& volume, std::int64_t frame)
             return {size, pixelsOver({size, std::vector<glm::vec4>(std::size_t(size.x) * size.y)}, plan.background)};
         mView = chooseView(plan, {&loaded, 1}, loaded->box().corners(), {}, mAlone);
     }
-    std::shared_ptr<const Solid> solid;
-    if (!plan.solid.empty())
-        solid = std::make_shared<const Solid>(makeSolid(plan.solid, *loaded->domain(), plan.stretch, frame));
-    Picture picture(plan, *mView,
-                    std::make_shared<const ShownVolume>(plan, mView->look, loaded, std::move(solid), mAlone));
+    Picture picture(
+        plan, *mView,
+        std::make_shared<const ShownVolume>(plan, mView->look, loaded, mView->solids->of(plan, *loaded), mAlone));
     for (int sample = 0; sample < plan.samples; ++sample)
         picture.addSample();
     Image image = picture.image();

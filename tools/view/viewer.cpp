@@ -279,28 +279,11 @@ Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, con
             }
         }
         OneProcess alone;
-        choice.subject = subjectOf(plan, choice.look, frames, source.box, alone);
+        choice.subject = subjectOf(plan, choice.look, frames, source.box, mSolids, alone);
     }
     const std::lock_guard lock(mMutex);
     keepFirst(mChoices, key, std::pair(basis, choice), kMostChoices);
     return choice;
-}
-
-std::shared_ptr<const Solid> Viewer::solidFor(const PicturePlan& plan, const LoadedTexture& frame)
-{
-    if (plan.solid.empty()) return nullptr;
-    const openvdb::FloatGrid::ConstPtr domain = frame.domain();
-    const std::string key = fmt::format("{}|{}|{} {} {}|{}|{}", plan.solid, plan.earth, plan.stretch.x, plan.stretch.y,
-                                        plan.stretch.z, solidChanges(plan.solid) ? frame.file.frame : 0,
-                                        domain->voxelSize()[0]); // of a coarser copy another one
-    {
-        const std::lock_guard lock(mMutex);
-        if (mSolid.first == key) return mSolid.second;
-    }
-    auto made = shownSolid(plan, *domain, frame.file.frame);
-    const std::lock_guard lock(mMutex);
-    mSolid = {key, made};
-    return made;
 }
 
 /// The frame with a look, for all cameras.
@@ -315,7 +298,7 @@ std::shared_ptr<const ShownVolume> Viewer::shownFor(const PicturePlan& plan, con
         if (isSame && mShown.key == key && mShown.basis == basis) return mShown.frame;
     }
     OneProcess alone;
-    auto shown = std::make_shared<const ShownVolume>(plan, look, frame, solidFor(plan, *frame), alone);
+    auto shown = std::make_shared<const ShownVolume>(plan, look, frame, mSolids.of(plan, *frame), alone);
     const std::lock_guard lock(mMutex);
     mShown = {key, basis, shown};
     return shown;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "vdblic/cast/solid.h"
 #include "vdblic/look/histogram.h"
 #include "vdblic/render/shown_volume.h"
+#include "vdblic/render/solid_maker.h"
 #include "vdblic/render/view.h"
 #include "view/files_on_disk.h"
 #include "view/frame_cache.h"
@@ -98,7 +98,6 @@ class Viewer {
     void keepBasis(const std::string& key, const std::shared_ptr<const Basis>& basis);
     [[nodiscard]] Choice choiceFor(const PicturePlan& plan, const nlohmann::json& state,
                                    const std::shared_ptr<const Basis>& basis, const ViewSource& source);
-    [[nodiscard]] std::shared_ptr<const Solid> solidFor(const PicturePlan& plan, const LoadedTexture& frame);
     [[nodiscard]] std::shared_ptr<const ShownVolume> shownFor(const PicturePlan& plan, const nlohmann::json& state,
                                                               const Look& look, const FrameCache::Frame& frame,
                                                               const std::shared_ptr<const Basis>& basis);
@@ -117,8 +116,8 @@ class Viewer {
     std::uint64_t mVersion = 1;
     std::list<std::pair<std::string, std::shared_ptr<const Basis>>> mBases;                      // the newest first
     std::list<std::pair<std::string, std::pair<std::shared_ptr<const Basis>, Choice>>> mChoices; // the newest first
-    std::pair<std::string, std::shared_ptr<const Solid>> mSolid;
-    ShownLook mShown; // the newest one: a camera that moves shows the same
+    SolidMaker mSolids; // has a lock of its own
+    ShownLook mShown;   // the newest one: a camera that moves shows the same
 
     Worker mBackground; // ends before what it uses
 };

@@ -21,11 +21,16 @@ class CoarseCells {
         }
     }
 
-    /// @param values of all cells  @param position index space, by axis
-    [[nodiscard]] VDBLIC_INLINE Float8 at(const float* values, const Float8* position) const
+    /// Eight places between the centres of cells.
+    struct Places {
+        Unsigned8 low; ///< numbers of the cells below, along each axis
+        Float8 fraction[3];
+    };
+    /// @param position index space, by axis
+    [[nodiscard]] VDBLIC_INLINE Places places(const Float8* position) const
     {
         Int8 cell[3];
-        Float8 fraction[3];
+        Places result;
         for (int axis = 0; axis < 3; ++axis) {
             // Cell centres lie at origin + cell · (c + ½) − ½.
             const Float8 at = (position[axis] - mFirst[axis]) * mPerCell;
@@ -33,10 +38,19 @@ class CoarseCells {
             const Float8 inside = least < mLast[axis] ? least : broadcast8(mLast[axis]);
             cell[axis] = __builtin_convertvector(inside, Int8);
             cell[axis] = cell[axis] < mDim[axis] - 2 ? cell[axis] : broadcastInt8(mDim[axis] - 2);
-            fraction[axis] = inside - __builtin_convertvector(cell[axis], Float8);
+            result.fraction[axis] = inside - __builtin_convertvector(cell[axis], Float8);
         }
-        const Int8 low = (cell[0] * mDim[1] + cell[1]) * mDim[2] + cell[2];
-        return interpolate(values, Unsigned8(low), mDim[2], mDim[1] * mDim[2], fraction);
+        result.low = Unsigned8((cell[0] * mDim[1] + cell[1]) * mDim[2] + cell[2]);
+        return result;
+    }
+    /// @param values of all cells
+    [[nodiscard]] VDBLIC_INLINE Float8 at(const float* values, const Places& places) const
+    {
+        return interpolate(values, places.low, mDim[2], mDim[1] * mDim[2], places.fraction);
+    }
+    [[nodiscard]] VDBLIC_INLINE Float8 at(const float* values, const Float8* position) const
+    {
+        return at(values, places(position));
     }
 
   private:

@@ -19,9 +19,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace vdblic {
@@ -34,24 +37,54 @@ constexpr double kReach = 1 / 4.0;  // of occlusion, in mean edges of the domain
 constexpr double kFarthest = 2.5;   // reaches beyond which matter does not occlude
 constexpr float kKeyShare = 0.6f;   // of the light of an open ground
 constexpr std::size_t kMostSolidCells = 1 << 20;
+constexpr int kMostSkipped = 16; // steps of a ray through empty cells
 
-/// Eight directions in world space, each of length 1.
-using Directions = std::array<glm::dvec3, kLanes>;
-
-/// Directions whose projections are spread evenly over a disc (Vogel's spiral 1979).
+/// Directions of length 1 in world space whose projections are spread evenly over a disc (Vogel's spiral 1979).
 /// @param axis of the disc, of length 1
 /// @param radius of a disc at distance 1; nullopt: a hemisphere with a density of Lambert's cosine
-std::vector<Directions> directionsAround(const glm::dvec3& axis, std::optional<double> radius, int count)
+std::vector<glm::dvec3> directionsAround(const glm::dvec3& axis, std::optional<double> radius, int count)
 {
     const glm::dvec3 other = std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     const glm::dvec3 right = glm::normalize(glm::cross(axis, other)), up = glm::cross(axis, right);
-    std::vector<Directions> result(std::size_t(count / kLanes));
+    std::vector<glm::dvec3> result;
     for (int i = 0; i < count; ++i) {
         const double square = (i + 0.5) / count, angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
         const double along = radius ? 1 : std::sqrt(1 - square);
         const glm::dvec2 across = radius.value_or(1) * std::sqrt(square) * glm::dvec2(std::cos(angle), std::sin(angle));
-        result[std::size_t(i / kLanes)][std::size_t(i % kLanes)] =
-            glm::normalize(axis * along + right * across.x + up * across.y);
+        result.push_back(glm::normalize(axis * along + right * across.x + up * across.y));
+    }
+    return result;
+}
+
+/// How many steps through empty cells may be left out: an extinction of 0 changes no light. By cell, of a ray between
+/// its centre and those above: 0 if values interpolated there can differ from 0. Steps are a cell or shorter.
+std::vector<std::uint8_t> emptySteps(std::span<const float> values, const openvdb::Coord& dim)
+{
+    constexpr std::size_t kWord = sizeof(std::uint64_t); // cells at a time
+    const std::size_t strides[] = {1, std::size_t(dim[2]), std::size_t(dim[1]) * std::size_t(dim[2])};
+    const std::size_t before = strides[2], words = values.size() / kWord + 1;
+    std::vector<std::uint8_t> empty(before + words * kWord + before, 1), next(empty), result(words * kWord);
+    std::transform(values.begin(), values.end(), empty.begin() + std::ptrdiff_t(before),
+                   [](float value) { return value == 0; });
+    const auto load = [](const std::uint8_t* from) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, from, kWord);
+        return word;
+    };
+    for (int distance = 1; distance <= kMostSkipped + 1; ++distance) {
+        for (const std::size_t stride : strides) { // also past the ends of rows, which leaves out fewer steps
+            for (std::size_t i = before; i < before + words * kWord; i += kWord) {
+                const std::uint8_t* const at = empty.data() + i;
+                const std::uint64_t all = load(at) & load(at - stride) & load(at + stride);
+                std::memcpy(&next[i], &all, kWord);
+            }
+            empty.swap(next);
+        }
+        if (distance == 2) continue; // rounding may lead a step into one cell more
+        for (std::size_t i = 0; i < words * kWord; i += kWord) {
+            const std::uint64_t sums = load(&result[i]) + load(&empty[before + i]);
+            std::memcpy(&result[i], &sums, kWord);
+        }
     }
     return result;
 }
@@ -60,87 +93,112 @@ std::vector<Directions> directionsAround(const glm::dvec3& axis, std::optional<d
 struct Medium {
     const float* values;
     CoarseCells cells;
-    glm::dvec3 low, high; // bounds in index space
+    std::vector<std::uint8_t> empty; // as emptySteps() has them
+    glm::dvec3 low, high;            // bounds in index space
     glm::dmat4 toIndex;
     std::span<const ClipPlane> cuts;
     double step;   // index space
     bool isOpaque; // values are shares of cells that are filled, else extinctions
 };
 
-/// Rays of light from eight directions to points, through a medium.
-struct LightWays {
-    struct Slope {
-        Float8 perVoxel; // growth of the height above a cut; a vector of bare Float8 would not be aligned
+/// Eight points, as a medium's index space has them.
+struct Points {
+    struct OfCut {
+        Float8 height; // above it, world; a vector of bare Float8 would not be aligned
     };
-    const Medium& medium;
-    Float8 unit[3], inverse[3]; // directions in index space, of length 1, and huge for 0
-    Float8 farthest;            // length of the ways [voxels]
-    Float8 keep;                // binary logarithm of the decay per voxel of distance
-    std::vector<Slope> slopes;  // of the ways above the cuts
+    Float8 from[3], low[3], high[3]; // positions, and the bounds relative to them
+    std::vector<OfCut> cuts;
 
-    /// @param reach distance over which the effect decays to 1/e; or infinite [world]
-    LightWays(const Medium& through, const Directions& directions, double length, double reach);
+    Points(const Medium& medium, const std::array<glm::dvec3, kLanes>& points) : cuts(medium.cuts.size())
+    {
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const glm::dvec3& point = points[std::size_t(lane)];
+            const glm::dvec3 begin(medium.toIndex * glm::dvec4(point, 1));
+            for (int axis = 0; axis < 3; ++axis) {
+                from[axis][lane] = float(begin[axis]);
+                low[axis][lane] = float(medium.low[axis] - begin[axis]);
+                high[axis][lane] = float(medium.high[axis] - begin[axis]);
+            }
+            for (std::size_t cut = 0; cut < cuts.size(); ++cut)
+                cuts[cut].height[lane] = float(medium.cuts[cut].height(point));
+        }
+    }
 };
 
-LightWays::LightWays(const Medium& through, const Directions& directions, double length, double reach)
-    : medium(through), slopes(through.cuts.size())
-{
-    constexpr double kTiny = 1e-12, kEndless = 1e12;
-    const glm::dmat3 linear(medium.toIndex);
-    for (int lane = 0; lane < kLanes; ++lane) {
-        const glm::dvec3& direction = directions[std::size_t(lane)];
-        const glm::dvec3 along = linear * direction;
+/// Rays of light from a direction, through a medium.
+struct LightWays {
+    const Medium& medium;
+    float unit[3], inverse[3];   // the direction in index space, of length 1, and huge for 0
+    float farthest;              // length of the ways [voxels]
+    float keep;                  // binary logarithm of the decay per voxel of distance
+    std::vector<float> slopes{}; // growth of the height above each cut, per voxel
+
+    /// @param reach distance over which the effect decays to 1/e; or infinite [world]
+    LightWays(const Medium& through, const glm::dvec3& direction, double length, double reach) : medium(through)
+    {
+        constexpr double kTiny = 1e-12, kEndless = 1e12;
+        const glm::dvec3 along = glm::dmat3(medium.toIndex) * direction;
         const double perWorld = glm::length(along);
         for (int axis = 0; axis < 3; ++axis) {
             const double part = along[axis] / perWorld;
-            unit[axis][lane] = float(part);
-            inverse[axis][lane] = float(std::abs(part) > kTiny ? 1 / part : 1 / kTiny);
+            unit[axis] = float(part);
+            inverse[axis] = float(std::abs(part) > kTiny ? 1 / part : 1 / kTiny);
         }
-        farthest[lane] = float(std::min(length * perWorld, kEndless));
-        keep[lane] = float(-std::numbers::log2e / (reach * perWorld));
-        for (std::size_t cut = 0; cut < slopes.size(); ++cut)
-            slopes[cut].perVoxel[lane] = float(glm::dot(direction, medium.cuts[cut].normal) / perWorld);
+        farthest = float(std::min(length * perWorld, kEndless));
+        keep = float(-std::numbers::log2e / (reach * perWorld));
+        for (const ClipPlane& cut : medium.cuts)
+            slopes.push_back(float(glm::dot(direction, cut.normal) / perWorld));
     }
+};
+
+/// The steps that all of the lanes may leave out. @param lanes that still move
+VDBLIC_INLINE int leastEmpty(const std::vector<std::uint8_t>& empty, Unsigned8 cells, Int8 lanes)
+{
+    int least = kMostSkipped;
+    for (int lane = 0; lane < kLanes; ++lane)
+        if (lanes[lane] != 0) least = std::min(least, int(empty[cells[lane]]));
+    return least;
 }
 
-/// Multiply transmittances by the medium's. @param left transmittance by direction
+/// Multiply transmittances to points by the medium's. @param left of each point
 VDBLIC_KERNEL
-void trace(const LightWays& ways, const glm::dvec3& point, Float8& left)
+void trace(const LightWays& ways, const Points& points, Float8& left)
 {
     const Medium& medium = ways.medium;
-    const glm::dvec3 begin(medium.toIndex * glm::dvec4(point, 1));
-    Float8 from[3], enter{}, leave = ways.farthest; // distances in voxels
+    Float8 enter{}, leave = left > 0 ? broadcast8(ways.farthest) : Float8{}; // distances in voxels
     for (int axis = 0; axis < 3; ++axis) {
-        from[axis] = broadcast8(float(begin[axis]));
-        const Float8 low = float(medium.low[axis] - begin[axis]) * ways.inverse[axis];
-        const Float8 high = float(medium.high[axis] - begin[axis]) * ways.inverse[axis];
+        const Float8 low = points.low[axis] * ways.inverse[axis], high = points.high[axis] * ways.inverse[axis];
         const Float8 first = low < high ? low : high, last = low < high ? high : low;
         enter = first > enter ? first : enter;
         leave = last < leave ? last : leave;
     }
     for (std::size_t cut = 0; cut < ways.slopes.size(); ++cut) {
-        const auto height = float(medium.cuts[cut].height(point));
-        const Float8 slope = ways.slopes[cut].perVoxel, crossing = -height / slope;
-        enter = ((slope > 0) & (crossing > enter)) ? crossing : enter;
-        leave = ((slope < 0) & (crossing < leave)) ? crossing : leave;
-        if (height < 0) leave = slope == 0 ? Float8{} : leave;
+        const float slope = ways.slopes[cut];
+        const Float8 height = points.cuts[cut].height, crossing = -height / slope;
+        if (slope > 0) enter = crossing > enter ? crossing : enter;
+        if (slope < 0) leave = crossing < leave ? crossing : leave;
+        if (slope == 0) leave = height < 0 ? Float8{} : leave;
     }
     if (!anyOf(enter < leave)) return;
 
     // The last step of a ray is shorter.
     const auto step = float(medium.step);
-    Float8 sum{}, most{};
-    const Float8 steps = (leave - enter) / step;
-    for (int done = 0; anyOf(float(done) < steps); ++done) {
+    Float8 sum{}, most{}, steps = (leave - enter) / step;
+    for (int done = 0, skipped = 0; anyOf(float(done) < steps); done += std::max(skipped, 1)) {
         const Float8 at = enter + float(done) * step, rest = leave - at,
                      length = positive(rest < step ? rest : broadcast8(step));
         const Float8 middle = at + 0.5f * length;
-        const Float8 position[] = {from[0] + ways.unit[0] * middle, from[1] + ways.unit[1] * middle,
-                                   from[2] + ways.unit[2] * middle};
-        const Float8 value = medium.cells.at(medium.values, position) * powerOfTwo(ways.keep * middle);
+        const Float8 position[] = {points.from[0] + ways.unit[0] * middle, points.from[1] + ways.unit[1] * middle,
+                                   points.from[2] + ways.unit[2] * middle};
+        const CoarseCells::Places places = medium.cells.places(position);
+        skipped = leastEmpty(medium.empty, places.low, float(done) < steps);
+        if (skipped > 0) continue;
+        const Float8 share = medium.cells.at(medium.values, places);
+        const Float8 value = share * powerOfTwo(ways.keep * middle);
         sum += value * length;
         const Float8 inside = length > 0 ? value : Float8{};
         most = inside > most ? inside : most;
+        if (medium.isOpaque) steps = share < 1 ? steps : Float8{}; // farther matter counts less
     }
     left *= medium.isOpaque ? 1 - clamped(most) : powerOfTwo(-std::numbers::log2e_v<float> * sum);
 }
@@ -152,6 +210,7 @@ Medium mediumOf(const ShadowCasters& casters)
                                                               grid.dim()[2] * grid.cell());
     return {grid.values().data(),
             CoarseCells(grid.origin(), grid.dim(), grid.cell()),
+            emptySteps(grid.values(), grid.dim()),
             glm::dvec3(grid.origin()[0], grid.origin()[1], grid.origin()[2]) - 0.5,
             glm::dvec3(end[0], end[1], end[2]) - 0.5,
             casters.box.worldToIndex(),
@@ -200,6 +259,7 @@ Medium mediumOf(const SolidCells& cells, const ShadowCasters& casters)
     const glm::dvec3 dim(cells.dim[0], cells.dim[1], cells.dim[2]);
     return {cells.shares.data(),
             CoarseCells(cells.origin, cells.dim, cells.cell),
+            emptySteps(cells.shares, cells.dim),
             low - 0.5,
             low + dim * double(cells.cell) - 0.5,
             casters.solid->worldToIndex,
@@ -212,14 +272,15 @@ Medium mediumOf(const SolidCells& cells, const ShadowCasters& casters)
 
 GroundLight::GroundLight(const GroundPlane& plane, const ShadowCasters& casters, const glm::dvec3& towardsLight)
 {
-    std::vector<Medium> media{mediumOf(casters)};
+    std::vector<Medium> media;
     std::optional<SolidCells> solidCells;
     if (casters.solid) {
         solidCells.emplace(*casters.solid);
         media.push_back(mediumOf(*solidCells, casters));
     }
+    const Medium& volume = media.emplace_back(mediumOf(casters));
     const double side = std::max(plane.half.x, plane.half.y) * 2;
-    const double cellEdge = media[0].step / glm::length(glm::dmat3(media[0].toIndex) * plane.axes[0]);
+    const double cellEdge = volume.step / glm::length(glm::dmat3(volume.toIndex) * plane.axes[0]);
     const double spacing = std::max(side / kMostAcross, cellEdge);
     mPerSpacing = 1 / spacing;
     mLow = plane.middle - plane.half - plane.fade;
@@ -229,20 +290,20 @@ GroundLight::GroundLight(const GroundPlane& plane, const ShadowCasters& casters,
     const glm::dvec3 key = glm::normalize(towardsLight);
     const double never = std::numeric_limits<double>::infinity();
     double edges = 1;
-    const glm::dvec3 extent = media[0].high - media[0].low;
+    const glm::dvec3 extent = volume.high - volume.low;
     for (int axis = 0; axis < 3; ++axis)
         edges *= extent[axis] * glm::length(glm::dmat3(casters.box.indexToWorld())[axis]);
     const double reach = kReach * std::cbrt(edges);
-    struct Bundle {
+    struct Light {
         std::vector<LightWays> through; // the media, one behind the other
         float share;                    // of the open ground's light
     };
-    std::vector<Bundle> bundles;
-    const auto add = [&](const std::vector<Directions>& directions, double length, double effect, float share) {
-        for (const Directions& eight : directions) {
-            Bundle& bundle = bundles.emplace_back(Bundle{{}, share / float(directions.size())});
+    std::vector<Light> lights;
+    const auto add = [&](const std::vector<glm::dvec3>& directions, double length, double effect, float share) {
+        for (const glm::dvec3& direction : directions) {
+            Light& light = lights.emplace_back(Light{{}, share / float(directions.size())});
             for (const Medium& medium : media)
-                bundle.through.emplace_back(medium, eight, length, effect);
+                light.through.emplace_back(medium, direction, length, effect);
         }
     };
     if (glm::dot(key, plane.normal) > 0)
@@ -250,21 +311,29 @@ GroundLight::GroundLight(const GroundPlane& plane, const ShadowCasters& casters,
     add(directionsAround(plane.normal, std::nullopt, kOpenDirections), kFarthest * reach, reach, 1 - kKeyShare);
 
     tbb::parallel_for(0, mSize.y, [&](int row) {
-        for (int column = 0; column < mSize.x; ++column) {
-            const glm::dvec2 place = mLow + glm::dvec2(column, row) * spacing;
-            if (!(plane.alpha(place) > 0)) continue;
-            const glm::dvec3 point = plane.at(place);
-            float taken = 0;
-            for (const Bundle& bundle : bundles) {
-                Float8 left = broadcast8(1);
-                for (const LightWays& ways : bundle.through)
-                    trace(ways, point, left);
-                float sum = 0;
-                for (int lane = 0; lane < kLanes; ++lane)
-                    sum += 1 - left[lane];
-                taken += bundle.share * sum / kLanes;
+        for (int first = 0; first < mSize.x; first += kLanes) {
+            std::array<glm::dvec3, kLanes> place;
+            Float8 seen{};
+            for (int lane = 0; lane < kLanes; ++lane) {
+                const glm::dvec2 at = mLow + glm::dvec2(first + lane, row) * spacing;
+                place[std::size_t(lane)] = plane.at(at);
+                seen[lane] = first + lane < mSize.x && plane.alpha(at) > 0 ? 1 : 0;
             }
-            mLit[std::size_t(row) * std::size_t(mSize.x) + std::size_t(column)] = 1 - taken;
+            if (!anyOf(seen > 0)) continue;
+            std::vector<Points> points;
+            for (const Medium& medium : media)
+                points.emplace_back(medium, place);
+            Float8 taken{};
+            for (const Light& light : lights) {
+                Float8 left = seen;
+                for (std::size_t i = 0; i < media.size(); ++i)
+                    trace(light.through[i], points[i], left);
+                taken += light.share * (seen - left);
+            }
+            const int count = std::min(kLanes, mSize.x - first);
+            float* const lit = mLit.data() + std::size_t(row) * std::size_t(mSize.x) + std::size_t(first);
+            for (int lane = 0; lane < count; ++lane)
+                lit[lane] = 1 - taken[lane];
         }
     });
 }

@@ -64,27 +64,10 @@ openvdb::MaskTree::Ptr thinParts(const openvdb::MaskTree& voxels)
     return thin;
 }
 
-/// Give bodies that are cuboids along the axes, such as buildings, their edges again.
-void sharpenCuboids(openvdb::FloatGrid& levelSet, const openvdb::MaskTree& voxels)
-{
-    std::vector<openvdb::MaskTree::Ptr> bodies;
-    openvdb::tools::segmentActiveVoxels(voxels, bodies);
-    for (const openvdb::MaskTree::Ptr& body : bodies) {
-        openvdb::CoordBBox box;
-        body->evalActiveVoxelBoundingBox(box);
-        if (box.empty() || body->activeVoxelCount() != std::uint64_t(voxelsOf(box))) continue;
-        const openvdb::BBoxd faces(box.min().asVec3d() - 0.5, box.max().asVec3d() + 0.5);
-        const auto unit = openvdb::math::Transform::createLinearTransform();
-        openvdb::tools::csgUnion(levelSet, *openvdb::tools::createLevelSetBox<openvdb::FloatGrid>(faces, *unit, kBand));
-    }
-}
-
-/// A level set whose faces are the faces of the voxels, half a voxel from their centres. A mean smooths stairs and
-/// leaves faces where they are. It may not take away small bodies. Cuboids keep their edges; thin parts that the mean
+/// Smooth stairs by a mean, which leaves faces where they are. It may not take away small bodies; thin parts that it
 /// would take away stay as they are.
-openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
+openvdb::FloatGrid::Ptr smoothed(const openvdb::MaskTree::Ptr& voxels)
 {
-    checkVoxels(voxels->activeVoxelCount());
     openvdb::FloatGrid::Ptr result = unsmoothed(voxels);
     const openvdb::FloatTree before(result->tree());
     openvdb::tools::LevelSetFilter<openvdb::FloatGrid> filter(*result);
@@ -98,7 +81,27 @@ openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
         value.setValue(std::min(*value, distance.getValue(value.getCoord()) + kDeepest));
     filter.normalize();
     if (kept->activeVoxelCount() > 0) openvdb::tools::csgUnion(*result, *unsmoothed(kept));
-    sharpenCuboids(*result, *voxels);
+    return result;
+}
+
+/// A level set whose faces are the faces of the voxels, half a voxel from their centres. Bodies that are cuboids along
+/// the axes, such as buildings, have sharp edges; the others are smoothed.
+openvdb::FloatGrid::Ptr levelSetOf(const openvdb::MaskTree::Ptr& voxels)
+{
+    checkVoxels(voxels->activeVoxelCount());
+    const auto unit = openvdb::math::Transform::createLinearTransform();
+    openvdb::FloatGrid::Ptr result = openvdb::createLevelSet<openvdb::FloatGrid>(1, kBand);
+    std::vector<openvdb::MaskTree::Ptr> bodies;
+    openvdb::tools::segmentActiveVoxels(*voxels, bodies);
+    for (const openvdb::MaskTree::Ptr& body : bodies) {
+        openvdb::CoordBBox box;
+        body->evalActiveVoxelBoundingBox(box);
+        if (box.empty() || body->activeVoxelCount() != std::uint64_t(voxelsOf(box))) continue;
+        voxels->fill(box, false, false);
+        const openvdb::BBoxd faces(box.min().asVec3d() - 0.5, box.max().asVec3d() + 0.5);
+        openvdb::tools::csgUnion(*result, *openvdb::tools::createLevelSetBox<openvdb::FloatGrid>(faces, *unit, kBand));
+    }
+    if (voxels->activeVoxelCount() > 0) openvdb::tools::csgUnion(*result, *smoothed(voxels));
     return result;
 }
 
@@ -209,9 +212,14 @@ bool solidChanges(const std::string& source)
 Solid makeSolid(const std::string& source, const openvdb::FloatGrid& texture, const glm::dvec3& stretch,
                 std::int64_t frame)
 {
-    Solid solid = source == "domain"
-                      ? Solid{complementOf(texture), toIndex(texture.transform(), stretch, "grid " + texture.getName())}
-                      : readSolid(source, texture, stretch, frame);
+    Solid solid;
+    if (source == "domain") {
+        solid = {complementOf(texture), toIndex(texture.transform(), stretch, "grid " + texture.getName())};
+        const double box = voxelsOf(texture.evalActiveVoxelBoundingBox());
+        if (box > 0) solid.share = 1 - double(texture.activeVoxelCount()) / box;
+    } else {
+        solid = readSolid(source, texture, stretch, frame);
+    }
     solid.levelSet->setTransform(openvdb::math::Transform::createLinearTransform());
     solid.levelSet->setGridClass(openvdb::GRID_LEVEL_SET);
     return solid;

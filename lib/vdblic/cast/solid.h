@@ -19,6 +19,7 @@ struct Solid {
     openvdb::FloatGrid::Ptr levelSet; ///< with the identity as transform; distances in its voxels; below 0 inside
     glm::dmat4 worldToIndex{1};       ///< from the world of the picture, stretched, to its index space
     std::shared_ptr<const EarthMap> earth{}; ///< colours its surface; null: one colour
+    double share = 0;                        ///< of the texture's box, for the solid `domain`
 };
 
 /// The largest share of inactive voxels in a texture's box that counts as a body or a ground; around clouds it is

@@ -2,10 +2,10 @@
 
 #include "vdblic/camera/affine_transform.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/core/extent.h"
 #include "vdblic/render/picture.h"
 #include "vdblic/render/picture_share.h"
 #include "vdblic/render/sequence_bounds.h"
+#include "vdblic/render/solid_maker.h"
 
 #include <fmt/format.h>
 #include <glm/ext/matrix_transform.hpp>
@@ -13,7 +13,6 @@
 #include <glm/vec4.hpp>
 
 #include <cstddef>
-#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -73,8 +72,10 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
         if (plan.rays.layers) result.image.layers.resize(result.image.pixels.size());
         return result;
     }
+    auto solid = view->solids->of(plan, *loaded);
+    if (solid) frame.leftOut = solid->share;
     Picture picture(plan, *view,
-                    std::make_shared<const ShownVolume>(plan, view->look, loaded, solidOf(*loaded, frame), mExchange,
+                    std::make_shared<const ShownVolume>(plan, view->look, loaded, std::move(solid), mExchange,
                                                         view->lines ? &view->lines->look : nullptr),
                     share ? &share->picture : nullptr);
     for (int sample = 0; sample < plan.samples; ++sample) {
@@ -90,24 +91,6 @@ FrameImage FrameRenderer::render(std::shared_ptr<const LoadedTexture> loaded, Re
         frame.unusableVoxels = unusable;
     }
     return result;
-}
-
-/// The frame's solid; null if there is none. A constant solid is made once.
-std::shared_ptr<const Solid> FrameRenderer::solidOf(const LoadedTexture& loaded, RenderedFrame& frame) const
-{
-    const PicturePlan& plan = mPlan.picture;
-    if (plan.solid.empty()) return nullptr;
-    const auto make = [&] {
-        const openvdb::FloatGrid::ConstPtr domain = loaded.domain();
-        if (plan.solid == "domain") {
-            const double box = voxelsOf(domain->evalActiveVoxelBoundingBox());
-            frame.leftOut = box > 0 ? 1 - double(domain->activeVoxelCount()) / box : 0;
-        }
-        return shownSolid(plan, *domain, frame.moment.file.frame);
-    };
-    if (solidChanges(plan.solid)) return make();
-    std::call_once(mSolidMade, [&] { mSolid = make(); });
-    return mSolid;
 }
 
 } // namespace vdblic

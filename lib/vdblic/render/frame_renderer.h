@@ -1,6 +1,5 @@
 #pragma once
 
-#include "vdblic/cast/solid.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/image/image_file.h"
@@ -12,7 +11,6 @@
 #include <cstddef>
 #include <exception>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -54,13 +52,9 @@ class FrameRenderer {
     [[nodiscard]] FrameImage render(std::shared_ptr<const LoadedTexture> loaded, RenderedFrame& frame) const;
 
   private:
-    [[nodiscard]] std::shared_ptr<const Solid> solidOf(const LoadedTexture& loaded, RenderedFrame& frame) const;
-
     const RenderPlan& mPlan;
     Reporter& mReporter;
     Exchange& mExchange;
-    mutable std::once_flag mSolidMade;
-    mutable std::shared_ptr<const Solid> mSolid;
 };
 
 } // namespace vdblic

@@ -1,17 +1,8 @@
 #include "vdblic/render/shown_volume.h"
 
-#include "vdblic/cast/earth_map.h"
-
 #include <utility>
 
 namespace vdblic {
-
-std::shared_ptr<const Solid> shownSolid(const PicturePlan& plan, const openvdb::FloatGrid& domain, std::int64_t frame)
-{
-    Solid solid = makeSolid(plan.solid, domain, plan.stretch, frame);
-    if (plan.earth) solid.earth = std::make_shared<const EarthMap>();
-    return std::make_shared<const Solid>(std::move(solid));
-}
 
 ShownVolume::ShownVolume(const PicturePlan& plan, const Look& look, std::shared_ptr<const LoadedTexture> frame,
                          std::shared_ptr<const Solid> solid, Exchange& exchange, const Look* linesLook)

@@ -9,17 +9,10 @@
 #include "vdblic/render/view.h"
 #include "vdblic/volume/visible_space.h"
 
-#include <openvdb/openvdb.h>
-
-#include <cstdint>
 #include <memory>
 #include <optional>
 
 namespace vdblic {
-
-/// The solid of a frame. @param domain of the frame  @throws InputError of makeSolid()
-[[nodiscard]] std::shared_ptr<const Solid> shownSolid(const PicturePlan& plan, const openvdb::FloatGrid& domain,
-                                                      std::int64_t frame);
 
 /// The camera-independent data of a frame under a look: pictures from several eyes share it. Immutable; any number of
 /// threads may read.

@@ -11,6 +11,7 @@
 #include "vdblic/render/annotations.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/sequence_bounds.h"
+#include "vdblic/render/solid_maker.h"
 #include "vdblic/volume/leaf_share.h"
 #include "vdblic/volume/visible_extent.h"
 
@@ -83,14 +84,15 @@ namespace {
 
 /// Points around the solids of the frames. @throws InputError if no camera can show one and the volume in a box
 std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
-                                    std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box)
+                                    std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
+                                    SolidMaker& solids)
 {
     constexpr double kMost = 1e6; // diagonals of the box
     std::vector<glm::dvec3> points;
     for (const auto& frame :
          frames.first(solidChanges(plan.solid) ? frames.size() : std::min<std::size_t>(1, frames.size()))) {
         try {
-            const auto more = solidExtent(makeSolid(plan.solid, *frame->domain(), plan.stretch, frame->file.frame));
+            const auto more = solidExtent(*solids.of(plan, *frame));
             points.insert(points.end(), more.begin(), more.end());
         } catch (const InputError&) { // is reported at the frame's turn
         }
@@ -158,7 +160,7 @@ void addOnGround(const PicturePlan& plan, const Corners& box, std::vector<glm::d
 
 std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
                                   std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,
-                                  Exchange& exchange, const Look* lines)
+                                  SolidMaker& solids, Exchange& exchange, const Look* lines)
 {
     std::vector<glm::dvec3> subject;
     if (plan.camera.eye && plan.camera.projection == Projection::kPerspective) return subject;
@@ -166,7 +168,7 @@ std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
     if (annotations.box || annotations.axes) {
         subject.assign(box.begin(), box.end());
     } else {
-        if (!plan.solid.empty()) subject = solidPoints(plan, frames, box);
+        if (!plan.solid.empty()) subject = solidPoints(plan, frames, box, solids);
         for (const auto& frame : frames) {
             const auto more = visiblePoints(*frame, look, plan.rays.clip.stretched(plan.stretch), exchange);
             subject.insert(subject.end(), more.begin(), more.end());
@@ -188,10 +190,19 @@ View chooseView(const PicturePlan& plan, std::span<const std::shared_ptr<const L
     for (const auto& frame : frames)
         basis.add(*frame, exchange);
     auto [look, lines] = chooseLooks(plan, basis, frames);
-    std::vector<glm::dvec3> subject = subjectOf(plan, look, frames, box, exchange, lines ? &lines->look : nullptr);
+    auto solids = std::make_shared<SolidMaker>();
+    std::vector<glm::dvec3> subject =
+        subjectOf(plan, look, frames, box, *solids, exchange, lines ? &lines->look : nullptr);
     const CameraPath cameras(plan.camera, plan.motion, box, plan.size, span, std::move(subject));
-    return {std::move(look), basis.opacityBy, cameras,         box, basis.volumeBytes + plan.imageBytes(),
-            basis.lastFrame, basis.longest,   std::move(lines)};
+    return {std::move(look),
+            basis.opacityBy,
+            cameras,
+            box,
+            basis.volumeBytes + plan.imageBytes(),
+            basis.lastFrame,
+            basis.longest,
+            std::move(lines),
+            std::move(solids)};
 }
 
 namespace {

@@ -20,6 +20,7 @@
 namespace vdblic {
 
 class Exchange;
+class SolidMaker;
 struct PicturePlan;
 struct RenderPlan;
 
@@ -47,13 +48,14 @@ struct LookBasis {
 };
 
 /// The points that the picture frames: corners of the box if it or its axes are drawn, else of visible cells, with
-/// solids and ground, and of the lines under their look. Empty for a perspective with a set eye. @param exchange of the
-/// ranks that share the frames: collective
+/// solids and ground, and of the lines under their look. Empty for a perspective with a set eye.
+/// @param exchange of the ranks that share the frames: collective
 [[nodiscard]] std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
                                                 std::span<const std::shared_ptr<const LoadedTexture>> frames,
-                                                const Corners& box, Exchange& exchange, const Look* lines = nullptr);
+                                                const Corners& box, SolidMaker& solids, Exchange& exchange,
+                                                const Look* lines = nullptr);
 
-/// Look, cameras and box common to all pictures of a sequence. Immutable.
+/// Look, cameras and box common to all pictures of a sequence. Immutable, but for the solids.
 struct View {
     Look look;
     std::string opacityBy; ///< name of the grid that opacity follows, in every frame
@@ -68,6 +70,7 @@ struct View {
         std::string opacityBy;
     };
     std::optional<OfLines> lines{};
+    std::shared_ptr<SolidMaker> solids{};
 };
 
 /// @param frames at least one, none empty

@@ -71,6 +71,25 @@ TEST_F(OnGround, TransmittanceOfASlabIsAnalytic)
     EXPECT_NEAR(shadow(cuts), 1 - std::pow(1 - opacity, 10), 0.01);
 }
 
+TEST_F(OnGround, ThinSheetsBehindEmptySpaceCastShadows)
+{
+    const double opacity = 0.2;
+    for (int height = 17; height < 60; height += 3) {
+        const auto texture = boxGrid("density", boxOf(64, 64, height + 1), [](const Coord&) { return 1.0f; });
+        for (auto voxel = openvdb::CoordBBox({0, 0, 1}, {63, 63, height - 1}).begin(); voxel; ++voxel)
+            texture->tree().setValueOff(*voxel);
+        const TextureVolume volume(*texture, *texture);
+        const ExtinctionGrid visible(volume, plainLook(opacity), mAlone);
+        const GroundPlane plane = below(volume);
+        const ShadowCasters casters{visible, volume, {}};
+        const auto light = [&](const glm::dvec3& towards) {
+            return double(GroundLight(plane, casters, towards).at({31.5, 31.5}));
+        };
+        const double shadow = (light({0, 0, -1}) - light(kUp)) / 0.6;
+        EXPECT_NEAR(shadow, 1 - (1 - opacity) * (1 - opacity), 0.01) << height;
+    }
+}
+
 TEST_F(OnGround, OcclusionDarkensWhereABodyMeetsIt)
 {
     const auto texture = boxGrid("density", boxOf(64, 64, 64), [](const Coord&) { return 1.0f; });
