@@ -392,6 +392,19 @@ class Pictures(ToolTest):
             self.assertGreater(picture[..., 3].max(), 0.3)
             numpy.testing.assert_array_equal(picture, self.pixels(f"i.{frame:04}.exr", (32, 48)))
 
+    def test_a_globe_in_a_picture_is_that_of_the_tool(self):
+        with open(self.folder / "s.obj", "w", encoding="utf-8") as file:
+            file.write("v -9 -9 -9\nv 9 -9 -9\nv 0 9 -9\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        texture = self.texture()
+        pictures = []
+        for earth in (False, True):
+            self.outputs("vdblic_render", "lic.vdb", "-o", "i.exr", "--size", 48, 32, "--precision", "float", "--solid",
+                         "s.obj", *(["--earth"] if earth else []))
+            render = vdblic.Renderer(size=(48, 32), solid=str(self.folder / "s.obj"), earth=earth)
+            pictures.append(render(texture).linear)
+            numpy.testing.assert_array_equal(pictures[-1], self.pixels("i.exr", (32, 48)))
+        self.assertGreater(abs(pictures[0] - pictures[1]).max(), 0.05)
+
     def texture(self):
         self.outputs("vdblic_synth", "ring", "-o", "v.vdb", "--size", *SIZE, "--frames", 1)
         self.outputs("vdblic_advect", "v.vdb", "-o", "lic.vdb", "--refine", 2)

@@ -5,14 +5,9 @@
 
 #include <glm/vec3.hpp>
 
-#include <cstdint>
+#include <optional>
 
 namespace vdblic {
-
-class Camera;
-class PlacedBox;
-struct Look;
-struct SurfacePicture;
 
 /// A plane that takes shadows, and fades out with the distance from the domain. Its colour is the background's in the
 /// picture's row, or a lighter one where that is too dark for shadows. Behind all else in a picture, it is seen from
@@ -24,9 +19,16 @@ class Ground {
     {
     }
 
-    /// Add the visible ground to pixels that show no surface. @param ray, only as in castSurfaces()
-    void addTo(SurfacePicture& picture, const PlacedBox& box, const Look& look, const Camera& camera, int ray,
-               const std::uint8_t* only) const;
+    struct Point {
+        double depth; ///< multiples of the ray's direction
+        float light;  ///< GroundLight::at()
+        float alpha;
+    };
+    /// The point that a ray meets; nullopt if the ground is not seen there.
+    [[nodiscard]] std::optional<Point> at(const glm::dvec3& origin, const glm::dvec3& direction) const;
+    /// Its colour without shadows, in linear light. @param background of the picture's row
+    [[nodiscard]] static glm::vec3 color(const glm::vec3& background);
+    [[nodiscard]] glm::vec3 normal() const { return mPlane.normal; }
 
   private:
     GroundPlane mPlane;

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -28,6 +29,7 @@ void weighLayers(Image& image)
 }
 
 constexpr int kRaysOfAll = 2;
+using Pixels = tbb::blocked_range<std::size_t>;
 
 /// A pixel as it is seen: in about even steps.
 glm::vec4 seen(const glm::vec4& pixel)
@@ -113,10 +115,12 @@ void SampleSum::add(const std::stop_token& stop)
         return;
     }
     if (mCount == 2) weighLayers(mSum);
-    for (std::size_t i = 0; i < mSum.pixels.size(); ++i) {
-        if (!image.layers.empty()) addLayers(mSum.layers[i], image.layers[i], image.pixels[i].a);
-        mSum.pixels[i] += image.pixels[i];
-    }
+    tbb::parallel_for(Pixels(0, mSum.pixels.size()), [&](const Pixels& pixels) {
+        for (std::size_t i = pixels.begin(); i < pixels.end(); ++i) {
+            if (!image.layers.empty()) addLayers(mSum.layers[i], image.layers[i], image.pixels[i].a);
+            mSum.pixels[i] += image.pixels[i];
+        }
+    });
     if (mCount != kRaysOfAll) return;
     // Two points of a lens do not represent the others.
     mRefined = mCamera.lens() ? std::vector<std::uint8_t>(mSum.pixels.size(), 1)
@@ -128,11 +132,13 @@ Image SampleSum::mean() const
 {
     Image result = mSum;
     if (mCount == 1) return result;
-    for (std::size_t i = 0; i < result.pixels.size(); ++i) {
-        if (!result.layers.empty()) divideLayers(result.layers[i], result.pixels[i].a);
-        const int rays = mCount <= kRaysOfAll || mRefined[i] ? mCount : kRaysOfAll;
-        result.pixels[i] /= float(rays);
-    }
+    tbb::parallel_for(Pixels(0, result.pixels.size()), [&](const Pixels& pixels) {
+        for (std::size_t i = pixels.begin(); i < pixels.end(); ++i) {
+            if (!result.layers.empty()) divideLayers(result.layers[i], result.pixels[i].a);
+            const int rays = mCount <= kRaysOfAll || mRefined[i] ? mCount : kRaysOfAll;
+            result.pixels[i] /= float(rays);
+        }
+    });
     return result;
 }
 

@@ -18,6 +18,7 @@
 #include <glm/vec2.hpp>
 #include <openvdb/tools/RayIntersector.h>
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -45,98 +46,117 @@ double diffuseLight(const Shading& shading, const glm::dvec3& normal, const glm:
     return kDiffuse * diffuse;
 }
 
-/// Find the first surface of a solid along each pixel's ray, and light it by the look's lights.
-/// @param color linear light  @param light shadows inside the box, or null  @param ray index among each pixel's rays
-SurfacePicture castSolid(const Solid& solid, const glm::vec3& color, const PlacedBox& box, const Look& look,
-                         const Camera& camera, const LightGrid* light, int ray, const std::uint8_t* only)
+} // namespace
+
+SurfaceCaster::SurfaceCaster(const Scenery& scenery, const PlacedBox& box, const Look& look, const Camera& camera)
+    : mScenery(scenery), mBox(box), mCamera(camera), mLook(look), mCue(box, look, camera),
+      mBackground(look.backgroundRows(camera.size().y)), mTowardsLight(keyLight(look, camera)),
+      mSolidColor(scenery.solidColor * float(std::exp2(-look.exposure))), mExposure(float(std::exp2(look.exposure)))
 {
-    using Vec3 = openvdb::Vec3d;
-    const glm::ivec2 size = camera.size();
-    const auto count = std::size_t(size.x) * std::size_t(size.y);
-    SurfacePicture picture{std::vector<float>(count, std::numeric_limits<float>::infinity()),
-                           std::vector<glm::vec4>(count), std::vector<glm::vec3>(count)};
-    if (solid.levelSet->empty()) return picture;
-    const openvdb::tools::LevelSetRayIntersector<openvdb::FloatGrid> prototype(*solid.levelSet);
-    const PixelRays rays(camera, ray);
-    const glm::dmat3 linear(solid.worldToIndex);
-    const DepthCue cue(box, look, camera);
-    const glm::dvec3 towardsLight = keyLight(look, camera);
-    const glm::vec3 shown = color * float(std::exp2(-look.exposure)); // undoes the exposure
-    const std::vector<glm::vec3> background = look.backgroundRows(size.y);
-    tbb::parallel_for(
-        tbb::blocked_range<int>(camera.area().low.y, camera.area().high.y), [&](const tbb::blocked_range<int>& rows) {
-            auto intersector = prototype; // NOLINT(performance-unnecessary-copy-initialization): it has a cache
-            for (int y = rows.begin(); y < rows.end(); ++y) {
-                for (int x = camera.area().low.x; x < camera.area().high.x; ++x) {
-                    const auto i = std::size_t(y) * std::size_t(size.x) + std::size_t(x);
-                    if (only && !only[i]) continue;
-                    const auto [origin, direction] = rays.at(x, y);
-                    const glm::dvec3 eye(solid.worldToIndex * glm::dvec4(origin, 1)), along = linear * direction;
-                    const double perDepth = glm::length(along);
-                    const glm::dvec3 unit = along / perDepth;
-                    const openvdb::math::Ray<double> line({eye.x, eye.y, eye.z}, {unit.x, unit.y, unit.z}, 0,
-                                                          std::numeric_limits<double>::max() * perDepth);
-                    Vec3 hit, gradient;
-                    double distance = 0;
-                    if (!intersector.intersectsWS(line, hit, gradient, distance)) continue;
-                    const double depth = distance / perDepth;
-                    const glm::dvec3 normal =
-                        glm::normalize(glm::transpose(linear) * glm::dvec3(gradient[0], gradient[1], gradient[2]));
-                    const glm::dvec3 place = origin + direction * depth;
-                    double lit = diffuseLight(look.shading, normal, glm::normalize(direction));
-                    if (light) { // of the cell in front of the solid
-                        const glm::dvec3 at(box.worldToIndex() * glm::dvec4(place, 1));
-                        const glm::dvec3 outward = glm::normalize(glm::dmat3(box.worldToIndex()) * normal);
-                        lit *= double(light->at(at + outward * double(light->cell())));
-                    }
-                    lit += ambientLight(normal, towardsLight);
-                    picture.depths[i] = float(depth);
-                    const glm::vec3 own =
-                        solid.earth ? solid.earth->colored(shown, place, camera.pixelSize(place)) : shown;
-                    const glm::vec3 seen =
-                        glm::mix(own * float(lit), background[std::size_t(y)], cue.share(float(depth)));
-                    picture.colors[i] = glm::vec4(seen, 1);
-                    picture.normals[i] = glm::vec3(normal);
-                }
-            }
-        });
-    return picture;
+    if (!scenery.solid || scenery.solid->levelSet->empty()) return;
+    mSolid.emplace(*scenery.solid->levelSet);
+    const openvdb::CoordBBox around = scenery.solid->levelSet->evalActiveVoxelBoundingBox();
+    const openvdb::Vec3d middle = around.getCenter(), corner = around.max().asVec3d() + 1 - middle;
+    mMiddle = {middle[0], middle[1], middle[2]};
+    mSquare = corner.lengthSqr();
 }
 
-} // namespace
+Surface SurfaceCaster::at(const PixelRays::Line& ray, int row)
+{
+    std::optional<Surface> found = solidAt(ray, row);
+    if (!found) found = groundAt(ray, row);
+    return found.value_or(Surface{});
+}
+
+std::optional<Surface> SurfaceCaster::solidAt(const PixelRays::Line& ray, int row)
+{
+    if (!mSolid) return std::nullopt;
+    const Solid& solid = *mScenery.solid;
+    const glm::dmat3 linear(solid.worldToIndex);
+    const glm::dvec3 eye(solid.worldToIndex * glm::dvec4(ray.origin, 1)), along = linear * ray.direction;
+    const double square = glm::dot(along, along), nearest = glm::dot(mMiddle - eye, along);
+    const glm::dvec3 away = mMiddle - eye;
+    if ((glm::dot(away, away) - mSquare) * square > nearest * nearest) return std::nullopt;
+    const double perDepth = std::sqrt(square);
+    const glm::dvec3 unit = along / perDepth;
+    const openvdb::math::Ray<double> line({eye.x, eye.y, eye.z}, {unit.x, unit.y, unit.z}, 0,
+                                          std::numeric_limits<double>::max() * perDepth);
+    openvdb::Vec3d hit, gradient;
+    double distance = 0;
+    if (!mSolid->intersectsWS(line, hit, gradient, distance)) return std::nullopt;
+    const double depth = distance / perDepth;
+    const glm::dvec3 normal =
+        glm::normalize(glm::transpose(linear) * glm::dvec3(gradient[0], gradient[1], gradient[2]));
+    const glm::dvec3 place = ray.origin + ray.direction * depth;
+    double lit = diffuseLight(mLook.shading, normal, glm::normalize(ray.direction));
+    if (mScenery.light) { // of the cell in front of the solid
+        const glm::dvec3 at(mBox.worldToIndex() * glm::dvec4(place, 1));
+        const glm::dvec3 outward = glm::normalize(glm::dmat3(mBox.worldToIndex()) * normal);
+        lit *= double(mScenery.light->at(at + outward * double(mScenery.light->cell())));
+    }
+    lit += ambientLight(normal, mTowardsLight);
+    const glm::vec3 own =
+        solid.earth ? solid.earth->colored(mSolidColor, place, mCamera.pixelSize(place)) : mSolidColor;
+    const glm::vec3 seen = glm::mix(own * float(lit), mBackground[std::size_t(row)], mCue.share(float(depth)));
+    return Surface{float(depth), glm::vec4(seen, 1), glm::vec3(normal)};
+}
+
+std::optional<Surface> SurfaceCaster::groundAt(const PixelRays::Line& ray, int row) const
+{
+    if (!mScenery.ground) return std::nullopt;
+    const std::optional<Ground::Point> point = mScenery.ground->at(ray.origin, ray.direction);
+    if (!point) return std::nullopt;
+    const glm::vec3& behind = mBackground[std::size_t(row)];
+    const glm::vec3 color = Ground::color(behind * mExposure) / mExposure;
+    const glm::vec3 seen = glm::mix(color * point->light, behind, mCue.share(float(point->depth)));
+    return Surface{float(point->depth), glm::vec4(seen, 1) * point->alpha, mScenery.ground->normal()};
+}
 
 std::optional<SurfacePicture> castSurfaces(const Scenery& scenery, const PlacedBox& box, const Look& look,
                                            const Camera& camera, int ray, const std::uint8_t* only)
 {
     if (!scenery.solid && !scenery.ground) return std::nullopt;
-    SurfacePicture surfaces;
-    if (scenery.solid) {
-        surfaces = castSolid(*scenery.solid, scenery.solidColor, box, look, camera, scenery.light, ray, only);
-    } else {
-        const auto count = std::size_t(camera.size().x) * std::size_t(camera.size().y);
-        surfaces.depths.assign(count, std::numeric_limits<float>::infinity());
-        surfaces.colors.resize(count);
-        surfaces.normals.resize(count);
-    }
-    if (scenery.ground) scenery.ground->addTo(surfaces, box, look, camera, ray, only);
-    return surfaces;
+    tbb::enumerable_thread_specific<SurfaceCaster> casters(SurfaceCaster(scenery, box, look, camera));
+    const glm::ivec2 size = camera.size();
+    const auto count = std::size_t(size.x) * std::size_t(size.y);
+    SurfacePicture picture{std::vector<float>(count, Surface{}.depth), std::vector<glm::vec4>(count),
+                           std::vector<glm::vec3>(count)};
+    const PixelRays rays(camera, ray);
+    const PictureArea& area = camera.area();
+    tbb::parallel_for(area.low.y, area.high.y, [&](int y) {
+        SurfaceCaster& caster = casters.local();
+        for (int x = area.low.x; x < area.high.x; ++x) {
+            const auto i = std::size_t(y) * std::size_t(size.x) + std::size_t(x);
+            if (only && !only[i]) continue;
+            const Surface surface = caster.at(rays.at(x, y), y);
+            picture.depths[i] = surface.depth;
+            picture.colors[i] = surface.color;
+            picture.normals[i] = surface.normal;
+        }
+    });
+    return picture;
+}
+
+void addBehind(const Surface& surface, glm::vec4& pixel, PixelLayers* layers)
+{
+    if (!std::isfinite(surface.depth)) return;
+    const float alpha = pixel.a, rest = 1 - alpha, behind = rest * surface.color.a;
+    pixel += surface.color * rest;
+    if (surface.color.a == 1) pixel.a = 1;
+    if (!layers || !(pixel.a > 0)) return;
+    layers->depth = ((alpha > 0 ? alpha * layers->depth : 0) + behind * surface.depth) / pixel.a;
+    const glm::vec3 normal = alpha * layers->normal + behind * surface.normal;
+    if (const float length = glm::length(normal); length > 0) layers->normal = normal / length;
 }
 
 void addBehind(const SurfacePicture& surfaces, const std::uint8_t* only, Image& image)
 {
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-        if (!std::isfinite(surfaces.depths[i]) || (only && !only[i])) continue;
-        glm::vec4& pixel = image.pixels[i];
-        const glm::vec4& color = surfaces.colors[i];
-        const float alpha = pixel.a, rest = 1 - alpha, behind = rest * color.a;
-        pixel += color * rest;
-        if (color.a == 1) pixel.a = 1;
-        if (image.layers.empty() || !(pixel.a > 0)) continue;
-        PixelLayers& layers = image.layers[i];
-        layers.depth = ((alpha > 0 ? alpha * layers.depth : 0) + behind * surfaces.depths[i]) / pixel.a;
-        const glm::vec3 normal = alpha * layers.normal + behind * surfaces.normals[i];
-        if (const float length = glm::length(normal); length > 0) layers.normal = normal / length;
-    }
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, image.pixels.size()), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            if (only && !only[i]) continue;
+            addBehind(surfaces.at(i), image.pixels[i], image.layers.empty() ? nullptr : &image.layers[i]);
+        }
+    });
 }
 
 } // namespace vdblic

@@ -17,6 +17,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -192,8 +193,8 @@ Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, co
     const glm::ivec2 size = camera.size();
     Image image{size, std::vector<glm::vec4>(std::size_t(size.x) * std::size_t(size.y), glm::vec4(0))};
     if (params.layers) image.layers.resize(image.pixels.size());
-    const std::optional<SurfacePicture> surfaces = castSurfaces(scenery, tree.tubes(), look, camera, ray, only);
-    const std::vector<glm::vec3> background = look.backgroundRows(size.y);
+    tbb::enumerable_thread_specific<SurfaceCaster> surfaces(SurfaceCaster(scenery, tree.tubes(), look, camera));
+    const std::vector<glm::vec3> backgrounds = look.backgroundRows(size.y);
     const TubeCaster caster(tree, look, camera, params, tree.tubes(), scenery.light);
     const PixelRays rays(camera, ray);
     constexpr int kTile = 16;
@@ -203,17 +204,20 @@ Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, co
         if (stop.stop_requested()) return;
         const glm::ivec2 low = area.low + glm::ivec2(tile % tiles.x, tile / tiles.x) * kTile;
         TubeCaster::Packet packet;
+        SurfaceCaster& surface = surfaces.local();
         std::size_t pixels[kLanes];
+        Surface behind[kLanes];
         int count = 0;
         const auto cast = [&] {
             TubeSums sums;
             trace(caster, packet, params.layers, sums);
             for (int lane = 0; lane < count; ++lane) {
                 const std::size_t pixel = pixels[lane];
-                const glm::vec3 behind = background[pixel / std::size_t(size.x)];
+                const glm::vec3 background = backgrounds[pixel / std::size_t(size.x)];
                 const glm::vec3 color(sums.color.x[lane], sums.color.y[lane], sums.color.z[lane]);
-                image.pixels[pixel] = glm::vec4(color + behind * sums.far[lane], 1 - sums.left[lane]);
+                image.pixels[pixel] = glm::vec4(color + background * sums.far[lane], 1 - sums.left[lane]);
                 if (params.layers) image.layers[pixel] = sums.layers(lane);
+                addBehind(behind[lane], image.pixels[pixel], params.layers ? &image.layers[pixel] : nullptr);
             }
             packet = {};
             count = 0;
@@ -224,15 +228,15 @@ Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, co
             if (at.x >= area.high.x || at.y >= area.high.y) continue;
             const std::size_t pixel = std::size_t(at.y) * std::size_t(size.x) + std::size_t(at.x);
             if (only && !only[pixel]) continue;
-            const double end = surfaces ? double(surfaces->depths[pixel]) : std::numeric_limits<double>::infinity();
+            const PixelRays::Line line = rays.at(at.x, at.y);
             pixels[count] = pixel;
-            caster.add(rays.at(at.x, at.y), end, count, packet);
+            behind[count] = surface.at(line, at.y);
+            caster.add(line, double(behind[count].depth), count, packet);
             if (++count == kLanes) cast();
         }
         cast();
     });
     if (stop.stop_requested()) throw Stopped{};
-    if (surfaces) addBehind(*surfaces, only, image);
     return image;
 }
 
