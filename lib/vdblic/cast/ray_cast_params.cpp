@@ -9,7 +9,7 @@ namespace vdblic {
 Parameters parametersOf(RayCastParams& params)
 {
     const Parameters own = {
-        parameter("step", "Distance between samples. Opacity does not depend on it.", params.step,
+        parameter("step", "Distance between samples of voxels. Opacity does not depend on it.", params.step,
                   {.unit = "voxels", .limits = {0.01, 100}}),
         parameter(
             "interpolation",
