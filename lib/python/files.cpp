@@ -2,6 +2,7 @@
 
 #include "bindings.h"
 #include "grid_arrays.h"
+#include "metadata.h"
 #include "options.h"
 #include "text.h"
 #include "vdblic/core/errors.h"

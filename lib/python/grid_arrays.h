@@ -3,6 +3,7 @@
 #include "vdblic/io/vdb_file.h"
 
 #include <openvdb/openvdb.h>
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <optional>
@@ -14,6 +15,9 @@ namespace vdblic::python {
 [[nodiscard]] bool isOfNumbers(const openvdb::GridBase& grid);
 /// Whether toDictionary() accepts a grid: floats, doubles, vectors or 32-bit integers on a linear transform.
 [[nodiscard]] bool hasArrays(const openvdb::GridBase& grid);
+
+/// A value as an array. Nothing if it is none.
+[[nodiscard]] std::optional<pybind11::array> asArray(const pybind11::handle& value);
 
 /// A linear transform as a matrix, 4 × 4, on columns.
 [[nodiscard]] pybind11::object matrixOf(const openvdb::math::Transform& transform);
@@ -41,11 +45,5 @@ struct __attribute__((visibility("hidden"))) StoredLines {
 /// A volume of such a list. @param name in messages; may be empty
 /// @throws ParameterError naming the volume, the grid and the error
 [[nodiscard]] VdbFile toVolume(const pybind11::list& grids, const pybind11::dict& metadata, const std::string& name);
-
-/// Metadata as values of Python, which toMetadata() makes the same metadata of: bool, str, int (64 bits), float
-/// (double), NumPy's int32 and float32, and tuples of 2 to 4 numbers for vectors. Other types stay
-/// openvdb::Metadata.
-[[nodiscard]] pybind11::dict toDictionary(const openvdb::MetaMap& metadata);
-[[nodiscard]] openvdb::MetaMap toMetadata(const pybind11::dict& dictionary); ///< @throws ParameterError naming the key
 
 } // namespace vdblic::python

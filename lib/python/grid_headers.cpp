@@ -1,6 +1,7 @@
 #include "bindings.h"
 
 #include "grid_arrays.h"
+#include "metadata.h"
 #include "text.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"

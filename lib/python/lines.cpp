@@ -1,6 +1,7 @@
 #include "bindings.h"
 
 #include "grid_arrays.h"
+#include "metadata.h"
 #include "text.h"
 #include "vdblic/core/errors.h"
 #include "vdblic/image/color_map.h"

@@ -1,6 +1,7 @@
 #include "bindings.h"
 #include "caller.h"
 #include "grid_arrays.h"
+#include "metadata.h"
 #include "options.h"
 #include "renderer.h"
 #include "textures.h"

@@ -2,11 +2,15 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace vdblic::python {
+
+/// Bytes of a name that readers of .vdb files take.
+inline constexpr std::size_t kLongestName = 4096;
 
 /// A text of a file as Python's: bytes that are no UTF-8 become lone surrogates, as in Python's file names (PEP 383).
 [[nodiscard]] pybind11::str toText(std::string_view text);

@@ -1,6 +1,7 @@
 #include "textures.h"
 
 #include "grid_arrays.h"
+#include "metadata.h"
 #include "options.h"
 #include "ranks.h"
 #include "vdblic/core/errors.h"
