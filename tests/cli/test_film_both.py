@@ -65,6 +65,9 @@ class FilmOfBoth(ToolTest):
         self.assertIn("--lines flow.texture.lines.%04d.vdb", pictures)
         for option in "--opacity-by", "--substeps":
             self.assertNotIn(option, pictures)
+        both, streaks = (self.film("flow.png", "--look", "ink", method=method) for method in ("both", "streaks"))
+        spacing = [float(re.search(r"--spacing (\S+)", command)[1]) for command in (both[1], streaks[0])]
+        self.assertAlmostEqual(spacing[0] / spacing[1], 2, delta=0.1)  # without vortices, the texture is seen between lines
         texture, _, pictures = self.film("flow.png", "--look", "vortex")  # asks for the vortex in both
         self.assertIn(" --with q", texture)
         self.assertIn("--opacity-by q", pictures)

@@ -202,7 +202,8 @@ class FilmPlanner {
         const double factor = mParams.preview ? 0.5 : 1, tail = 6;
         const double least = mVelocity.streaks ? double(mVelocity.streaks->spacing[0]) : 1;
         const double pixels = followsVortices() ? kInVortices : has("rim") ? kOnGlobe : kSpacing;
-        const double spacing = std::clamp(pixels * factor / mPixels, least, 2 * least);
+        const double sparser = mParams.method == FilmMethod::kBoth && !followsVortices() ? 2 : 1; // to see the texture
+        const double spacing = sparser * std::clamp(pixels * factor / mPixels, least, 2 * least);
         StreakParams streaks;
         streaks.spacing.emplace();
         streaks.spacing->fill(std::stof(shortNumber(spacing)));
