@@ -35,7 +35,7 @@ std::vector<std::string> commandsFor(const SequenceInfo& info, const SequencePar
         lines.push_back(fmt::format("  the film takes about {} of memory and {:.0f} s of processor time",
                                     memoryText(std::max(plan.textureBytes, plan.pictureBytes)),
                                     std::max(plan.seconds, 1.0)));
-        for (const std::string& command : commandsOf(plan, "texture.%04d.vdb"))
+        for (const std::string& command : commandsOf(plan, ""))
             lines.push_back("  the film step by step: " + command);
     } catch (const InputError&) { // the advice names the error
         lines.clear();

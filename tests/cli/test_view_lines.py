@@ -1,6 +1,8 @@
 """vdblic_view of lines: what the server tells of them."""
 
 import json
+import shlex
+import shutil
 import struct
 import unittest
 
@@ -64,6 +66,32 @@ class Server(ViewerTest):
         self.start("lic.%04d.vdb")
         self.assertFalse(self.ask("sequence")["lines"])
         self.assertEqual(self.request("lines", {"state": {}, "frame": 1})[0], 204)
+
+    def test_lines_in_voxels(self):
+        """Pictures show both, as vdblic_render makes them; they follow the files of the lines."""
+        alone = self.pictures("lic.%04d.vdb")
+        self.stop()
+        both = self.pictures("lic.%04d.vdb", "--lines", "s.%04d.vdb")
+        self.assertFalse(self.ask("sequence")["lines"])  # the page shows pictures
+        for state, of_lines, of_voxels in zip(self.STATES, both, alone):
+            self.assertNotEqual(of_lines, of_voxels)
+            _, *words = shlex.split(self.ask("command", {"state": {"size": [64, 40], **state}})["command"])
+            self.assertIn("--lines=s.%04d.vdb", words)
+            words[words.index("-o") + 1] = "made.png"
+            self.outputs("vdblic_render", *words, "--frames", 2)
+            self.assertEqual(self.contents("made.png"), of_lines)
+        self.assertEqual(self.request("picture", {"client": "test", "state": {"lines": "v.%04d.vdb"}, "frame": 2})[0], 400)
+        shutil.copy(self.folder / "s.0001.vdb", self.folder / "s.0002.vdb")
+        self.assertNotEqual(self.picture(self.STATES[1], frame=2), both[1])
+        (self.folder / "s.0002.vdb").unlink()
+        status, _, told = self.request("picture", {"client": "test", "state": {"size": [64, 40]}, "frame": 2, "settle": True})
+        self.assertEqual((status, b"s.0002.vdb: the lines of frame 2 are missing" in told), (422, True), told)
+
+    STATES = {}, {"opacity-by": "q", "look": "vortex", "annotate": "colorbar"}, {"eye": [12, -30, 20], "range": [0, 1]}
+
+    def pictures(self, *arguments):
+        self.start(*arguments)
+        return [self.picture(state, frame=2) for state in self.STATES]
 
     def test_refusals(self):
         self.start("s.%04d.vdb")

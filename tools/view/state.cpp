@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMostText = 10000, kMostRepeats = 64;
-constexpr std::array<std::string_view, 4> kOfFiles = {"camera", "roi", "texture",
+constexpr std::array<std::string_view, 5> kOfFiles = {"camera", "lines", "roi", "texture",
                                                       "transfer"}; // names of files or grids
 
 bool namesFile(const Parameter& parameter)
@@ -102,11 +102,16 @@ Given givenBy(const Start& start, const Json& state, const Parameters& parameter
 
 } // namespace
 
+Parameters picturesOf(RenderParams& params)
+{
+    return joined({parametersOf(params.picture), {*find(parametersOf(params), "lines")}});
+}
+
 Start startOf(const Given& given, const SequenceParams& input)
 {
-    PictureParams params;
+    RenderParams params;
     Start start{input, {}, Json::object(), {}, traitsOf(input)};
-    for (const Parameter& parameter : parametersOf(params)) {
+    for (const Parameter& parameter : picturesOf(params)) {
         const auto words = given.find(std::string(parameter.key));
         if (words == given.end()) continue;
         parameter.check(words->second);
@@ -126,8 +131,8 @@ Start startOf(const Given& given, const SequenceParams& input)
 
 std::vector<std::string> argumentsOf(const Start& start, const Json& state)
 {
-    PictureParams params;
-    const Parameters parameters = parametersOf(params);
+    RenderParams params;
+    const Parameters parameters = picturesOf(params);
     std::vector<std::string> arguments;
     for (const auto& [key, words] : givenBy(start, state, parameters)) {
         const Parameter& parameter = *find(parameters, key);
@@ -145,15 +150,15 @@ std::vector<std::string> argumentsOf(const Start& start, const Json& state)
 
 PicturePlan planOf(const Start& start, const Json& state)
 {
-    PictureParams params;
-    const Parameters parameters = parametersOf(params);
+    RenderParams params;
+    const Parameters parameters = picturesOf(params);
     set(parameters, givenBy(start, state, parameters));
     try {
-        if (state.contains("keys")) params.motion.keys = parseCameraKeys(Json{{"keys", state["keys"]}});
+        if (state.contains("keys")) params.picture.motion.keys = parseCameraKeys(Json{{"keys", state["keys"]}});
     } catch (const InputError& error) {
         throw ParameterError(error.what());
     }
-    return resolve(params, start.traits);
+    return resolve(params.picture, start.traits);
 }
 
 std::string commandOf(const Start& start, const Json& state, const std::vector<std::string>& last)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vdblic/io/sequence.h"
+#include "vdblic/render/render_params.h"
 #include "vdblic/render/render_plan.h"
 
 #include <nlohmann/json.hpp>
@@ -23,7 +24,10 @@ struct Start {
     SequenceTraits traits;
 };
 
-/// @param given parameters of a picture, by key. @throws ParameterError; InputError naming the file of key frames
+/// The parameters of pictures: those in memory, and lines in voxels.
+[[nodiscard]] Parameters picturesOf(RenderParams& params);
+
+/// @param given values of picturesOf(), by key. @throws ParameterError; InputError naming the file of key frames
 [[nodiscard]] Start startOf(const Given& given, const SequenceParams& input);
 
 /// The arguments of vdblic_render for a state; its key frames are left out.

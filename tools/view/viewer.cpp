@@ -44,7 +44,8 @@ std::string loadKey(const PicturePlan& plan)
 
 std::string cacheKey(const PicturePlan& plan, const FrameFile& file)
 {
-    return fmt::format("{}|{}|{}", file.frame, fileStamp(file.path), loadKey(plan));
+    const std::string lines = plan.lines.empty() ? "" : fileStamp(linesFile(plan, file.frame));
+    return fmt::format("{}|{}|{}|{}", file.frame, fileStamp(file.path), lines, loadKey(plan));
 }
 
 /// A state without camera and sampling.
@@ -268,9 +269,8 @@ Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, con
             if (other == key && of == basis && (choice.hasSubject || !needsSubject)) return choice;
         }
     }
-    Choice choice{basis->look.choose(plan), {}, needsSubject};
-    if (needsSubject) {
-        std::vector<FrameCache::Frame> frames;
+    std::vector<FrameCache::Frame> frames;
+    if (needsSubject || !plan.lines.empty()) {
         for (const FrameFile& file : basis->frames) {
             try {
                 frames.push_back(load(plan, file));
@@ -278,8 +278,12 @@ Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, con
                 if (frames.empty() && file.frame == basis->frames.back().frame) throw;
             }
         }
+    }
+    Choice choice{chooseLooks(plan, basis->look, frames), {}, needsSubject};
+    if (needsSubject) {
+        const auto& [look, lines] = choice.looks;
         OneProcess alone;
-        choice.subject = subjectOf(plan, choice.look, frames, source.box, mSolids, alone);
+        choice.subject = subjectOf(plan, look, frames, source.box, mSolids, alone, lines ? &lines->look : nullptr);
     }
     const std::lock_guard lock(mMutex);
     keepFirst(mChoices, key, std::pair(basis, choice), kMostChoices);
@@ -287,7 +291,7 @@ Viewer::Choice Viewer::choiceFor(const PicturePlan& plan, const Json& state, con
 }
 
 /// The frame with a look, for all cameras.
-std::shared_ptr<const ShownVolume> Viewer::shownFor(const PicturePlan& plan, const Json& state, const Look& look,
+std::shared_ptr<const ShownVolume> Viewer::shownFor(const PicturePlan& plan, const Json& state, const Looks& looks,
                                                     const FrameCache::Frame& frame,
                                                     const std::shared_ptr<const Basis>& basis)
 {
@@ -298,7 +302,8 @@ std::shared_ptr<const ShownVolume> Viewer::shownFor(const PicturePlan& plan, con
         if (isSame && mShown.key == key && mShown.basis == basis) return mShown.frame;
     }
     OneProcess alone;
-    auto shown = std::make_shared<const ShownVolume>(plan, look, frame, mSolids.of(plan, *frame), alone);
+    auto shown = std::make_shared<const ShownVolume>(plan, looks.voxels, frame, mSolids.of(plan, *frame), alone,
+                                                     looks.lines ? &looks.lines->look : nullptr);
     const std::lock_guard lock(mMutex);
     mShown = {key, basis, shown};
     return shown;
@@ -314,10 +319,10 @@ FrameView Viewer::view(const Json& state, std::int64_t frame, bool settle)
     const CameraPath cameras(plan.camera, plan.motion, known.box, plan.size, known.span, choice.subject);
     const double bytes = basis->look.volumeBytes + plan.imageBytes();
     const FrameCache::Frame loaded = settle ? load(plan, file) : loadSoon(plan, file);
-    return {
-        plan,
-        View{choice.look, basis->look.opacityBy, cameras, known.box, bytes, basis->look.lastFrame, basis->look.longest},
-        shownFor(plan, state, choice.look, loaded, basis), basis->settled && loaded->file.path == file.path};
+    return {plan,
+            View{choice.looks.voxels, basis->look.opacityBy, cameras, known.box, bytes, basis->look.lastFrame,
+                 basis->look.longest, choice.looks.lines},
+            shownFor(plan, state, choice.looks, loaded, basis), basis->settled && loaded->file.path == file.path};
 }
 
 Camera Viewer::fitted(Json state, const glm::dvec3& forward, const glm::dvec3& up)
@@ -362,7 +367,7 @@ TextureHistograms Viewer::histograms(const Json& state)
     const PicturePlan plan = planOf(mStart, state);
     const auto basis = basisFor(plan, false);
     const VolumeSamples& samples = basis->look.samples;
-    TextureHistograms result(choiceFor(plan, state, basis, source(plan.stretch)).look);
+    TextureHistograms result(choiceFor(plan, state, basis, source(plan.stretch)).looks.voxels);
     for (const float value : samples.texture)
         result.texture.add(double(value));
     for (const float value : samples.color.empty() ? samples.driver : samples.color)

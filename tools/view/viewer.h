@@ -78,7 +78,7 @@ class Viewer {
         bool settled = false;
     };
     struct Choice { // for a state without its camera
-        Look look;
+        Looks looks;
         std::vector<glm::dvec3> subject;
         bool hasSubject = false;
     };
@@ -99,7 +99,7 @@ class Viewer {
     [[nodiscard]] Choice choiceFor(const PicturePlan& plan, const nlohmann::json& state,
                                    const std::shared_ptr<const Basis>& basis, const ViewSource& source);
     [[nodiscard]] std::shared_ptr<const ShownVolume> shownFor(const PicturePlan& plan, const nlohmann::json& state,
-                                                              const Look& look, const FrameCache::Frame& frame,
+                                                              const Looks& looks, const FrameCache::Frame& frame,
                                                               const std::shared_ptr<const Basis>& basis);
     [[nodiscard]] ViewSource source(const glm::dvec3& stretch);
     void readSource();

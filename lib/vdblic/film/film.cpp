@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -30,6 +31,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace vdblic {
@@ -42,13 +44,9 @@ constexpr std::string_view kTitle = "vdblic_film: textures of a film that is not
 /// The textures of an unfinished film, with a text that names their inputs and options.
 class FilmFolder {
   public:
-    explicit FilmFolder(const fs::path& output)
-        : mFolder(output.string() + ".textures"), mKey(mFolder / "film.txt"),
-          mPattern((mFolder / "texture.").string() + "%04d.vdb")
-    {
-    }
+    explicit FilmFolder(const fs::path& output) : mFolder(output.string() + ".textures"), mKey(mFolder / "film.txt") {}
 
-    [[nodiscard]] const std::string& pattern() const { return mPattern; }
+    [[nodiscard]] std::string stem() const { return (mFolder / "").string(); } ///< of texturesOf()
     [[nodiscard]] const fs::path& path() const { return mFolder; }
 
     /// Make the folder, or keep its textures if their inputs and options are the same. @throws OutputError
@@ -105,22 +103,17 @@ class FilmFolder {
     static bool isTexture(const fs::path& path) { return path.filename().string().starts_with("texture."); }
 
     fs::path mFolder, mKey;
-    std::string mPattern;
 };
 
 /// Joins the progress of textures and pictures, and passes on the film's messages.
 class FilmReporter : public Reporter {
   public:
-    FilmReporter(Reporter& reporter, std::size_t textures, std::size_t pictures)
-        : mReporter(reporter), mTotal(textures + pictures)
+    FilmReporter(Reporter& reporter, std::size_t total, fs::path output)
+        : mReporter(reporter), mTotal(total), mOutput(std::move(output))
     {
     }
 
-    void beginPictures(std::size_t textures, const fs::path& output)
-    {
-        mBefore = textures;
-        mOutput = output;
-    }
+    void begin(std::size_t before) { mBefore = before; } ///< @param before textures that are done
 
     void progress(std::size_t done, std::size_t) override { mReporter.progress(mBefore + done, mTotal); }
     void detail(std::string_view message) override { mReporter.detail(message); }
@@ -156,30 +149,34 @@ void checkFilm(const FilmParams& params)
     if (params.isFilm()) FilmWriter(params.output, kSmall, params.picturesPerSecond()); // there is ffmpeg
 }
 
-/// Make the textures, then of them the output.
-void makeOutput(const FilmParams& params, const FilmPlan& plan, const std::string& textures, Reporter& reporter)
+/// Make the textures, then of them the output. @param stem of texturesOf()
+void makeOutput(const FilmParams& params, const FilmPlan& plan, const std::string& stem, Reporter& reporter)
 {
-    FilmReporter film(reporter, plan.textures, plan.pictures);
+    const std::size_t runs = plan.runs.size();
+    FilmReporter film(reporter, runs * plan.textures + plan.pictures, params.output);
     std::istringstream none;
-    AdvectParams run = withGiven(AdvectParams{}, plan.advect);
-    run.output = textures;
-    run.resume = run.keepCheckpoint = true; // kept: all textures may be there, and the film not
+    const auto makeTextures = [&] {
+        for (std::size_t i = 0; i < runs; ++i) {
+            film.begin(i * plan.textures);
+            AdvectParams run = withGiven(AdvectParams{}, advectOf(plan, stem, i));
+            run.resume = run.keepCheckpoint = true; // kept: all textures may be there, and the film not
+            advectSequence(run, none, film);
+        }
+    };
     if (params.isPage()) {
-        advectSequence(run, none, film);
+        makeTextures();
         Words words = plan.page;
-        words.insert(words.begin(), textures);
+        words.insert(words.begin(), texturesOf(stem, 0));
         runTool(std::string(kPageTool), words, reporter);
         return reporter.finished(params.output);
     }
-    Given given = plan.render;
-    given["input"] = {textures};
-    const RenderParams pictures = withGiven(RenderParams{}, given);
+    const RenderParams pictures = withGiven(RenderParams{}, renderOf(plan, stem));
     // The pictures can use little of the memory that the textures free.
     constexpr double kPictures = 40e6; // without textures
     paging::makeRoom(plan.textureBytes + kPictures +
                      double(threadCount()) * bytesPerVoxel(resolve(pictures).picture) * plan.textureVoxels);
-    advectSequence(run, none, film);
-    film.beginPictures(plan.textures, params.output);
+    makeTextures();
+    film.begin(runs * plan.textures);
     renderSequence(pictures, none, film);
 }
 
@@ -197,14 +194,19 @@ void makeFrom(const FilmParams& params, const ImportedVelocity* imported, Report
     const FilmPlan plan = planFilm(params, inspectSequence(inspection, reporter));
     for (const std::string& note : plan.notes)
         reporter.say(note);
-    const std::string beside = (output.parent_path() / output.stem()).string() + ".texture.%04d.vdb";
-    reporter.say(fmt::format("the same in {} commands:", imported ? "three" : "two"));
-    if (imported) reporter.say("  " + imported->command());
+    std::vector<std::string> commands = commandsOf(plan, (output.parent_path() / output.stem()).string() + '.');
     std::string madeFrom;
-    for (const std::string& command : commandsOf(plan, beside)) {
-        reporter.say("  " + (imported ? imported->asTyped(command) : command));
-        if (madeFrom.empty()) madeFrom = command + '\n'; // the pictures' options do not change textures
+    for (std::size_t run = 0; run < plan.runs.size(); ++run) // the pictures' options do not change textures
+        madeFrom += commands[run] + '\n';
+    if (imported) {
+        for (std::string& command : commands)
+            command = imported->asTyped(command);
+        commands.insert(commands.begin(), imported->command());
     }
+    constexpr std::array kNumbers{"two", "three", "four"};
+    reporter.say(fmt::format("the same in {} commands:", kNumbers.at(commands.size() - 2)));
+    for (const std::string& command : commands)
+        reporter.say("  " + command);
     for (const FrameFile& file : files)
         madeFrom += fmt::format("{} {}\n", file.path.string(), fileStamp(file.path));
 
@@ -215,7 +217,7 @@ void makeFrom(const FilmParams& params, const ImportedVelocity* imported, Report
                              : params.isStill() ? "still"
                                                 : "page"));
     try {
-        makeOutput(params, plan, folder.pattern(), reporter);
+        makeOutput(params, plan, folder.stem(), reporter);
     } catch (...) {
         if (!folder.hasTextures()) {
             folder.remove();
@@ -283,8 +285,10 @@ Parameters parametersOf(FilmParams& params)
         periodicParameter(params.periodic),
         parameter("preview", "Half the width and height, half the pictures, coarser textures: a first look.",
                   params.preview),
-        parameter("method", "Streaks show which way the flow goes, a dense texture fills every voxel.", params.method,
-                  {.words = "NAME"}),
+        parameter("method",
+                  "Streaks show which way the flow goes, a dense texture fills every voxel; both: streaks in a dense "
+                  "texture.",
+                  params.method, {.words = "NAME"}),
     };
     return joined({own, parametersOf(params.observer)});
 }
@@ -329,8 +333,11 @@ void FilmParams::validate() const
     if (!isFilm() && (seconds || fps || orbit != 0))
         throw ParameterError("`seconds`, `fps` and `orbit` are of films: leave them out, or write an .mp4");
     if (!isPage()) return;
-    if (method == FilmMethod::kDense)
-        throw ParameterError("`method` dense makes no lines, which pages show: leave it out, or write an .mp4");
+    if (method != FilmMethod::kStreaks)
+        throw ParameterError(
+            fmt::format("`method` {} makes no lines alone, and pages show nothing else: leave it out, or "
+                        "write an .mp4",
+                        nameOf(method)));
     if (!look.empty() || plain || angles || view != FilmParams{}.view || solidColor != FilmParams{}.solidColor) {
         throw ParameterError("`look`, `view`, `angles`, `plain` and `solid_color` are of pictures: leave them out, or "
                              "write an .mp4");

@@ -18,10 +18,10 @@
 
 namespace vdblic {
 
-/// The texture of a film: sparse streaks, or a dense texture.
-enum class FilmMethod { kStreaks, kDense };
+/// The texture of a film: sparse streaks, a dense texture, or a dense one with streaks in it.
+enum class FilmMethod { kStreaks, kDense, kBoth };
 template<>
-inline constexpr auto kNames<FilmMethod> = std::to_array<std::string_view>({"streaks", "dense"});
+inline constexpr auto kNames<FilmMethod> = std::to_array<std::string_view>({"streaks", "dense", "both"});
 
 /// The parameters of a film, a still or a page of a velocity sequence. planFilm() chooses all others from the data.
 struct FilmParams {

@@ -1,12 +1,11 @@
 #include "vdblic/core/printable.h"
 #include "vdblic/film/film_plan.h"
-#include "vdblic/render/render_params.h"
 #include "vdblic/run/advect_params.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <map>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,7 +13,7 @@
 namespace vdblic {
 namespace {
 
-std::string commandOf(std::string_view tool, const Parameters& parameters, const std::map<std::string, Words>& given)
+std::string commandOf(std::string_view tool, const Parameters& parameters, const Given& given)
 {
     std::string command(tool);
     for (const Parameter& parameter : parameters) {
@@ -35,17 +34,41 @@ std::string commandOf(std::string_view tool, const Parameters& parameters, const
 
 } // namespace
 
-std::vector<std::string> commandsOf(const FilmPlan& plan, const std::string& textures)
+std::string texturesOf(const std::string& stem, std::size_t run)
+{
+    return stem + (run == 0 ? "texture.%04d.vdb" : "texture.lines.%04d.vdb");
+}
+
+Given advectOf(const FilmPlan& plan, const std::string& stem, std::size_t run)
+{
+    Given advect = plan.runs[run];
+    advect["output"] = {texturesOf(stem, run)};
+    return advect;
+}
+
+Given renderOf(const FilmPlan& plan, const std::string& stem)
+{
+    Given render = plan.render;
+    render["input"] = {texturesOf(stem, 0)};
+    if (plan.runs.size() > 1) render["lines"] = {texturesOf(stem, 1)};
+    return render;
+}
+
+std::vector<std::string> commandsOf(const FilmPlan& plan, const std::string& stem)
 {
     AdvectParams advect;
     RenderParams render;
-    std::map<std::string, Words> first = plan.advect, second = plan.render;
-    first["output"] = second["input"] = {textures};
-    std::string command = fmt::format("{} {}", kPageTool, shellWord(textures));
+    std::vector<std::string> commands;
+    for (std::size_t run = 0; run < plan.runs.size(); ++run)
+        commands.push_back(commandOf("vdblic_advect", parametersOf(advect), advectOf(plan, stem, run)));
+    if (plan.page.empty()) {
+        commands.push_back(commandOf("vdblic_render", parametersOf(render), renderOf(plan, stem)));
+        return commands;
+    }
+    std::string& page = commands.emplace_back(fmt::format("{} {}", kPageTool, shellWord(texturesOf(stem, 0))));
     for (const std::string& word : plan.page)
-        command += ' ' + shellWord(word);
-    if (plan.page.empty()) command = commandOf("vdblic_render", parametersOf(render), second);
-    return {commandOf("vdblic_advect", parametersOf(advect), first), command};
+        page += ' ' + shellWord(word);
+    return commands;
 }
 
 } // namespace vdblic

@@ -63,15 +63,16 @@ class FilmPlanner {
                                               "another",
                                               mVelocity.intervalFault, mVelocity.interval));
         }
-        mPlan.advect["input"] = {mInfo.pattern};
+        mRun["input"] = {mInfo.pattern};
         takeObserver();
-        if (!mParams.periodic.empty()) mPlan.advect["periodic"] = mParams.periodic;
+        if (!mParams.periodic.empty()) mRun["periodic"] = mParams.periodic;
         const std::vector<std::int64_t> frames = chooseFrames(chooseMotion());
         const bool isAll = mInfo.missing.empty() && frames == mInfo.frames;
-        if (!isAll || !mParams.input.frames.empty()) mPlan.advect["frames"] = {frameListText(frames)};
-        mParams.method == FilmMethod::kStreaks ? chooseStreaks() : chooseDense();
+        if (!isAll || !mParams.input.frames.empty()) mRun["frames"] = {frameListText(frames)};
         choosePictures();
         if (has("rim")) chooseGlobe();
+        if (mParams.method != FilmMethod::kStreaks) chooseDense();
+        if (mParams.method != FilmMethod::kDense) chooseStreaks();
         if (mParams.isPage()) choosePage();
         return std::move(mPlan);
     }
@@ -83,7 +84,7 @@ class FilmPlanner {
         const Parameters atRest = parametersOf(none);
         for (const Parameter& parameter : parametersOf(given)) {
             const Words words = parameter.get();
-            if (words != find(atRest, parameter.key)->get()) mPlan.advect[std::string(parameter.key)] = words;
+            if (words != find(atRest, parameter.key)->get()) mRun[std::string(parameter.key)] = words;
         }
     }
 
@@ -95,10 +96,10 @@ class FilmPlanner {
             throw InputError(fmt::format("{}: the flow is at rest; check the grid and the frames", mInfo.pattern));
         if (mInfo.isFrozen && !mParams.isStill()) {
             mMoves = std::clamp(kPace / mPixels, 0.01, 100.0);
-            mPlan.advect["voxels_per_frame"] = {shortNumber(mMoves)};
+            mRun["voxels_per_frame"] = {shortNumber(mMoves)};
         } else if (!makesStreaks(moves) && (moves < kLeastMoves || slowMotion() < moves)) {
             mMoves = moves < kLeastMoves ? kLeastMoves : slowMotion();
-            mPlan.advect["voxels_per_frame"] = {shortNumber(mMoves)};
+            mRun["voxels_per_frame"] = {shortNumber(mMoves)};
             mPlan.notes.push_back(
                 fmt::format("the faster half of the flow moves {:.2g} voxels a frame, too {} to follow: "
                             "{} motion; vdblic_info tells more",
@@ -121,7 +122,7 @@ class FilmPlanner {
             std::min({kLeastPace / pace, kMostPace / fastest, kMostFactor, kLargeDisplacement / mMoves});
         if (factor < kWorthwhile) return;
         mMoves *= factor;
-        mPlan.advect["voxels_per_frame"] = {shortNumber(mMoves)};
+        mRun["voxels_per_frame"] = {shortNumber(mMoves)};
         mPlan.notes.push_back(fmt::format("the flow moves {:.2g} pixels a picture, too little to see: its motion is "
                                           "shown {:.2g} times as fast as the frames change",
                                           pace, factor));
@@ -152,7 +153,7 @@ class FilmPlanner {
         if (mInfo.isFrozen) {
             mPlan.textures = mPlan.pictures =
                 mParams.isPage() ? kOfPage : pictures(mParams.seconds.value_or(kLeastSeconds));
-            mPlan.advect["steady_frames"] = {fmt::format("{}", mPlan.textures)};
+            mRun["steady_frames"] = {fmt::format("{}", mPlan.textures)};
             return frames;
         }
         if (mParams.isPage()) { // shows all times between frames
@@ -180,7 +181,7 @@ class FilmPlanner {
                                               frames.size()));
             frames.resize(used + 1);
         }
-        if (substeps > 1) mPlan.advect["substeps"] = {fmt::format("{}", substeps)};
+        if (substeps > 1) mRun["substeps"] = {fmt::format("{}", substeps)};
         mPlan.notes.push_back(
             fmt::format("{} pictures, {:.3g} s; the faster half of the flow moves {:.2g} pixels a picture",
                         mPlan.pictures, double(mPlan.pictures) / perSecond, pace / double(substeps)));
@@ -201,7 +202,8 @@ class FilmPlanner {
         const double factor = mParams.preview ? 0.5 : 1, tail = 6;
         const double least = mVelocity.streaks ? double(mVelocity.streaks->spacing[0]) : 1;
         const double pixels = followsVortices() ? kInVortices : has("rim") ? kOnGlobe : kSpacing;
-        const double spacing = std::clamp(pixels * factor / mPixels, least, 2 * least);
+        const double sparser = mParams.method == FilmMethod::kBoth && !followsVortices() ? 2 : 1; // to see the texture
+        const double spacing = sparser * std::clamp(pixels * factor / mPixels, least, 2 * least);
         StreakParams streaks;
         streaks.spacing.emplace();
         streaks.spacing->fill(std::stof(shortNumber(spacing)));
@@ -211,22 +213,27 @@ class FilmPlanner {
         const double leaves = 1.5 * double(mVelocity.voxels) / double(Domain::kLeafVoxels);
         const StreakShape shape = streakShape(streaks, refinement, mVelocity.voxels, mGrid.box, mMoves);
         const StreakCost cost = streakCost(shape, StreakForm::kLines, double(mVelocity.voxels), leaves, mGrid.box);
-        mPlan.advect["method"] = {"streaks"};
-        mPlan.advect["draw"] = {"lines"};
+        Given run = mRun;
+        run["method"] = {"streaks"};
+        run["draw"] = {"lines"};
         mPlan.render["samples"] = {"2"};
-        mPlan.advect["spacing"] = {shortNumber(spacing)};
+        run["spacing"] = {shortNumber(spacing)};
         constexpr double kJoined = 1.5; // frames: pages and pictures between frames join the tails of frames
         const double frames = std::clamp(tail * spacing / mMoves, mParams.isPage() ? kJoined : 0, 24.0);
-        mPlan.advect["tail"] = {shortNumber(frames)};
-        if (frames >= kJoined && mParams.observer.rotation == 0) moveSubsteps();
-        mPlan.advect["refine"] = wordsOfFactors(refinement.factors);
+        run["tail"] = {shortNumber(frames)};
+        run["refine"] = wordsOfFactors(refinement.factors);
+        if (followsVortices()) run["derived"] = {"q"};
+        if (has("rim")) run["emit"] = {firstFile() + ":rim"};
+        if (mParams.method == FilmMethod::kStreaks && frames >= kJoined && mParams.observer.rotation == 0)
+            moveSubsteps(run);
+        mPlan.runs.push_back(std::move(run));
         estimate(cost);
     }
 
     /// Draw the pictures between frames from the frames' lines.
-    void moveSubsteps()
+    void moveSubsteps(Given& run)
     {
-        const auto substeps = mPlan.advect.extract("substeps");
+        const auto substeps = run.extract("substeps");
         if (substeps.empty()) return;
         mPlan.textures = (mPlan.textures - 1) / std::stoul(substeps.mapped().front()) + 1;
         mPlan.render["substeps"] = substeps.mapped();
@@ -239,7 +246,7 @@ class FilmPlanner {
         constexpr double kBytes = 175e6, kBytesPerPixel = 75, kBytesPerStreak = 3500;
         constexpr double kSecondsPerPixel = 5e-7, kSecondsPerPixelAndStreak = 2e-11;
         const double pixels = double(mParams.pictureSize().x) * mParams.pictureSize().y;
-        mPlan.textureBytes = cost.bytes;
+        mPlan.textureBytes = std::max(mPlan.textureBytes, cost.bytes);
         mPlan.pictureBytes = kBytes + kBytesPerPixel * pixels + kBytesPerStreak * cost.streaks;
         mPlan.seconds = double(mPlan.textures) * cost.secondsPerFrame +
                         double(mPlan.pictures) * pixels * (kSecondsPerPixel + kSecondsPerPixelAndStreak * cost.streaks);
@@ -254,7 +261,9 @@ class FilmPlanner {
         }
         mPlan.textureVoxels = voxels();
         mPlan.textureBytes = denseBytes(1.5 * voxels());
-        mPlan.advect["refine"] = wordsOfFactors(factors);
+        Given& run = mPlan.runs.emplace_back(mRun);
+        run["refine"] = wordsOfFactors(factors);
+        if (mPlan.render.contains("opacity_by")) run["derived"] = {"q"};
     }
 
     /// Whether opacity by Q shows more than opacity by speed: most of the flow is fast, so that the outside would hide
@@ -301,12 +310,11 @@ class FilmPlanner {
 
     void choosePictures()
     {
-        std::map<std::string, Words>& render = mPlan.render;
+        Given& render = mPlan.render;
         if (!mParams.look.empty()) render["look"] = {mParams.look};
-        if (followsVortices()) {
-            mPlan.advect["derived"] = {"q"};
-            render["opacity_by"] = {"q"};
-        }
+        // A texture around lines shows the flow around the vortices that lines show.
+        const bool isAround = mParams.method == FilmMethod::kBoth && mParams.look.empty();
+        if (followsVortices() && !isAround) render["opacity_by"] = {"q"};
         const glm::ivec2 size = mParams.pictureSize();
         render["size"] = {fmt::format("{}", size.x), fmt::format("{}", size.y)};
         if (mStretch != std::array<double, 3>{1, 1, 1}) {
@@ -336,14 +344,12 @@ class FilmPlanner {
     /// Earth is solid, and colour follows the true speed.
     void chooseGlobe()
     {
-        const std::string first = FramePattern(mInfo.pattern).path(mInfo.frames.front()).string();
-        if (mParams.method == FilmMethod::kStreaks) mPlan.advect["emit"] = {first + ":rim"};
         if (has("speed")) {
-            mPlan.advect["carry"] = {"speed"};
+            mRun["carry"] = {"speed"};
             mPlan.render["color_by"] = {"speed"};
         }
         if (mParams.solid.empty() && has("solid")) {
-            mPlan.render["solid"] = {first + ":solid"};
+            mPlan.render["solid"] = {firstFile() + ":solid"};
             mPlan.render["solid_color"] = WordsOf<glm::dvec3>::write(mParams.solidColor);
             mPlan.render["earth"] = {"true"};
         }
@@ -355,6 +361,11 @@ class FilmPlanner {
         mPlan.page = {"-o", mParams.output};
         const auto solid = mPlan.render.find("solid");
         if (solid != mPlan.render.end()) mPlan.page.insert(mPlan.page.end(), {"--solid", solid->second.front()});
+    }
+
+    [[nodiscard]] std::string firstFile() const
+    {
+        return FramePattern(mInfo.pattern).path(mInfo.frames.front()).string();
     }
 
     [[nodiscard]] bool has(std::string_view name) const
@@ -371,6 +382,7 @@ class FilmPlanner {
     std::array<double, 3> mStretch;
     double mPixels, mMoves = 0; // that a voxel spans; voxels that the faster half moves in a frame
     int mLayer;
+    Given mRun; // what runs of vdblic_advect have in common
     FilmPlan mPlan;
 };
 

@@ -107,14 +107,25 @@ std::vector<glm::dvec3> solidPoints(const PicturePlan& plan,
     return points;
 }
 
-/// Looks of voxels and of the lines in them.
-struct Looks {
-    Look voxels;
-    std::optional<View::OfLines> lines{};
-};
+/// World-space points around the visible part of a frame.
+std::vector<glm::dvec3> visiblePoints(const LoadedTexture& frame, const Look& look, const ClipParams& clip,
+                                      Exchange& exchange)
+{
+    if (frame.volume) return visibleExtent(*frame.volume, look, clip, exchange);
+    return visibleExtent(*frame.tubes, ExtinctionGrid(ShownTubes(*frame.tubes, look)), clip);
+}
 
-/// Choose both, with one range of colours over the values of both.
-/// @param basis of the voxels
+/// Add the points of the ground that lie below the points of a subject, where most of its shadow falls.
+void addOnGround(const PicturePlan& plan, const Corners& box, std::vector<glm::dvec3>& subject)
+{
+    const glm::dvec3 up = plan.camera.up.value_or(glm::dvec3(0, 0, 1));
+    const GroundPlane plane = groundPlane(plan.ground, up, box, nullptr);
+    for (std::size_t i = 0, count = subject.size(); i < count; ++i)
+        subject.push_back(subject[i] + plane.normal * (plane.height - glm::dot(subject[i], plane.normal)));
+}
+
+} // namespace
+
 Looks chooseLooks(const PicturePlan& plan, const LookBasis& basis,
                   std::span<const std::shared_ptr<const LoadedTexture>> frames)
 {
@@ -138,25 +149,6 @@ Looks chooseLooks(const PicturePlan& plan, const LookBasis& basis,
     looks.lines = View::OfLines{ofLines.choose(lines), ofLines.opacityBy};
     return looks;
 }
-
-/// World-space points around the visible part of a frame.
-std::vector<glm::dvec3> visiblePoints(const LoadedTexture& frame, const Look& look, const ClipParams& clip,
-                                      Exchange& exchange)
-{
-    if (frame.volume) return visibleExtent(*frame.volume, look, clip, exchange);
-    return visibleExtent(*frame.tubes, ExtinctionGrid(ShownTubes(*frame.tubes, look)), clip);
-}
-
-/// Add the points of the ground that lie below the points of a subject, where most of its shadow falls.
-void addOnGround(const PicturePlan& plan, const Corners& box, std::vector<glm::dvec3>& subject)
-{
-    const glm::dvec3 up = plan.camera.up.value_or(glm::dvec3(0, 0, 1));
-    const GroundPlane plane = groundPlane(plan.ground, up, box, nullptr);
-    for (std::size_t i = 0, count = subject.size(); i < count; ++i)
-        subject.push_back(subject[i] + plane.normal * (plane.height - glm::dot(subject[i], plane.normal)));
-}
-
-} // namespace
 
 std::vector<glm::dvec3> subjectOf(const PicturePlan& plan, const Look& look,
                                   std::span<const std::shared_ptr<const LoadedTexture>> frames, const Corners& box,

@@ -73,6 +73,16 @@ struct View {
     std::shared_ptr<SolidMaker> solids{};
 };
 
+/// Looks of voxels and of the lines in them.
+struct Looks {
+    Look voxels;
+    std::optional<View::OfLines> lines{};
+};
+
+/// Choose both, with one range of colours over the values of both. @param basis of the voxels  @param frames with lines
+[[nodiscard]] Looks chooseLooks(const PicturePlan& plan, const LookBasis& basis,
+                                std::span<const std::shared_ptr<const LoadedTexture>> frames);
+
 /// @param frames at least one, none empty
 /// @param box    around all known frames
 /// @param exchange of the ranks that share the frames: collective
