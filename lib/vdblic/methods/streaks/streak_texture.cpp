@@ -15,6 +15,8 @@
 #include "vdblic/methods/streaks/streak_state.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -127,6 +129,7 @@ void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, T
         field.build(domain, flow.startVelocities(), flow.endVelocities());
     }
     forgetPast(frame);
+    sortByPlace();
     const std::shared_ptr<const Domain> region = emittingPart(start, fileNumber);
     if (isFirst) {
         const StreakTurn turn{field, *domain, frame, 0, 0, mShape.reach()};
@@ -134,6 +137,7 @@ void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, T
             const auto places = freePlaces(mStreaks, mShape.spacing, *domain, *region, mSeed, ~attempt);
             addFirstStreaks(turn, mTexture.pathline, *region, double(mShape.tail), places, owners, mStreaks);
             result.stats.released += places.size();
+            sortByPlace();
         }
         markSources(start, fileNumber);
     } else if (mLastInterval > 0 && mLastInterval != flow.seconds()) {
@@ -206,6 +210,23 @@ void StreakTexture::forgetPast(double time)
         const auto kept = first == streak.path.begin() ? first : first - 1;
         streak.path.erase(streak.path.begin(), kept);
     }
+}
+
+/// Order streaks by the leaves of their heads, so that neighbours in space are near in memory.
+void StreakTexture::sortByPlace()
+{
+    std::vector<std::pair<openvdb::Coord, std::uint32_t>> places(mStreaks.size());
+    tbb::parallel_for(std::size_t(0), places.size(), [&](std::size_t i) {
+        const auto& [x, y, z] = mStreaks[i].path.back().position;
+        const Int4 voxel = voxelOf(Float4{x, y, z, 0});
+        places[i] = {openvdb::Coord(voxel[0], voxel[1], voxel[2]) & ~(LeafVoxel::kDim - 1), std::uint32_t(i)};
+    });
+    tbb::parallel_sort(places);
+    std::vector<Streak> sorted;
+    sorted.reserve(mStreaks.size());
+    for (const auto& place : places)
+        sorted.push_back(std::move(mStreaks[place.second]));
+    mStreaks = std::move(sorted);
 }
 
 Lengths<Space::kTexture> StreakTexture::farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,
