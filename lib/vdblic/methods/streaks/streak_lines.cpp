@@ -4,6 +4,7 @@
 #include "vdblic/methods/streaks/streak_pieces.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
@@ -11,8 +12,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <unordered_set>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -40,8 +42,8 @@ class TailSampler {
     [[nodiscard]] std::vector<Samples> parts(const Streak& streak) const
     {
         std::vector<Samples> parts;
-        for (const Samples& part : inBox(samples(streak))) {
-            for (const Samples& inside : inDomain(part))
+        for (Samples& part : inBox(samples(streak))) {
+            for (const Samples& inside : inDomain(std::move(part)))
                 parts.push_back(thinned(inside));
         }
         return parts;
@@ -71,11 +73,14 @@ class TailSampler {
     }
 
     /// Cut samples at the seams of a periodic box, and move each part into the box.
-    [[nodiscard]] std::vector<Samples> inBox(const Samples& all) const
+    [[nodiscard]] std::vector<Samples> inBox(Samples all) const
     {
         const Period& period = mDomain.period();
-        if (period.isNone() || all.size() < 2) return {all};
         std::vector<Samples> parts;
+        if (period.isNone() || all.size() < 2) {
+            parts.push_back(std::move(all));
+            return parts;
+        }
         openvdb::Vec3f last(0); // way of the last part into the box
         for (std::size_t i = 1; i < all.size(); ++i) {
             const std::vector<double> shares = seamsBetween(all[i - 1].position, all[i].position);
@@ -129,9 +134,13 @@ class TailSampler {
     }
 
     /// Cut samples at the domain's rim.
-    [[nodiscard]] std::vector<Samples> inDomain(const Samples& all) const
+    [[nodiscard]] std::vector<Samples> inDomain(Samples all) const
     {
         std::vector<Samples> parts;
+        if (std::ranges::all_of(all, [&](const Sample& sample) { return isInDomain(sample.position); })) {
+            if (all.size() > 1) parts.push_back(std::move(all));
+            return parts;
+        }
         bool wasInside = false;
         for (std::size_t i = 0; i < all.size(); ++i) {
             const bool isInside = isInDomain(all[i].position);
@@ -211,6 +220,7 @@ class TailSampler {
             spans.push_back({at, last});
         }
         Samples kept;
+        kept.reserve(std::size_t(std::ranges::count(isKept, true)));
         for (std::size_t i = 0; i < all.size(); ++i) {
             if (isKept[i]) kept.push_back(all[i]);
         }
@@ -225,6 +235,9 @@ class TailSampler {
 /// Maps 64-bit names to 32-bit numbers. If one is taken, the next free one is used.
 class Numbers {
   public:
+    /// @param most names
+    explicit Numbers(std::size_t most) { mTaken.reserve(most); }
+
     [[nodiscard]] std::int32_t of(std::uint64_t name)
     {
         auto number = std::uint32_t(name);
@@ -255,33 +268,47 @@ Lines streakLines(const std::vector<Streak>& streaks, const StreakShape& shape, 
     const TailSampler sampler(shape, domain, time);
     std::vector<std::vector<Samples>> tails(streaks.size());
     tbb::parallel_for(std::size_t(0), streaks.size(), [&](std::size_t i) { tails[i] = sampler.parts(streaks[i]); });
-    const float radius = worldRadius(shape, transform);
-    Lines lines;
-    Numbers numbers;
-    const auto add = [&](const Streak& streak, const Samples& part) {
-        const auto begin = std::uint32_t(lines.pointCount());
-        const double oldest = streak.tailEnd(time, double(shape.tail));
-        const auto bright = float(streak.brightness(time));
-        for (const Sample& sample : part) {
-            const float share = std::clamp(float((sample.time - oldest) / (time - oldest)), 0.0f, 1.0f);
-            lines.positions.push_back(sample.position);
-            lines.opacities.push_back(bright * share);
-            lines.radii.push_back(radius * (kTailWidth + (1 - kTailWidth) * share));
-            lines.ages.push_back(float(time - sample.time));
-        }
-        lines.lines.push_back({numbers.of(streak.name), begin, std::uint32_t(lines.pointCount()), streak.source});
+    std::vector<std::pair<std::uint64_t, std::size_t>> order(streaks.size()); // by name: a resumed run has another order
+    for (std::size_t i = 0; i < order.size(); ++i)
+        order[i] = {streaks[i].name, i};
+    tbb::parallel_sort(order);
+    struct Part {
+        const Streak* streak;
+        const Samples* samples;
     };
-    std::vector<std::size_t> order(streaks.size()); // by name: a resumed run has another order
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return streaks[a].name < streaks[b].name; });
-    for (const std::size_t i : order) { // heads first: their numbers are the same in all frames
-        if (!tails[i].empty()) add(streaks[i], tails[i].back());
+    std::vector<Part> parts;
+    for (const auto& [name, i] : order) { // heads first: their numbers are the same in all frames
+        if (!tails[i].empty()) parts.push_back({&streaks[i], &tails[i].back()});
     }
-    for (const std::size_t i : order) {
+    for (const auto& [name, i] : order) {
         for (std::size_t part = 1; part < tails[i].size(); ++part)
-            add(streaks[i], tails[i][part - 1]);
+            parts.push_back({&streaks[i], &tails[i][part - 1]});
     }
+    Lines lines;
+    Numbers numbers(parts.size());
+    std::uint32_t end = 0;
+    for (const auto& [streak, samples] : parts) {
+        const std::uint32_t begin = std::exchange(end, end + std::uint32_t(samples->size()));
+        lines.lines.push_back({numbers.of(streak->name), begin, end, streak->source});
+    }
+    lines.positions.resize(end);
+    lines.radii.resize(end);
+    lines.opacities.resize(end);
+    lines.ages.resize(end);
+    const float radius = worldRadius(shape, transform);
+    tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {
+        const auto& [streak, samples] = parts[i];
+        const double oldest = streak->tailEnd(time, double(shape.tail));
+        const auto bright = float(streak->brightness(time));
+        std::size_t to = lines.lines[i].begin;
+        for (const Sample& sample : *samples) {
+            const float share = std::clamp(float((sample.time - oldest) / (time - oldest)), 0.0f, 1.0f);
+            lines.positions[to] = sample.position;
+            lines.opacities[to] = bright * share;
+            lines.radii[to] = radius * (kTailWidth + (1 - kTailWidth) * share);
+            lines.ages[to++] = float(time - sample.time);
+        }
+    });
     return lines;
 }
 

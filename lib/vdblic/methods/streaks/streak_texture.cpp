@@ -129,16 +129,18 @@ void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, T
         field.build(domain, flow.startVelocities(), flow.endVelocities());
     }
     forgetPast(frame);
-    sortByPlace();
     const std::shared_ptr<const Domain> region = emittingPart(start, fileNumber);
     if (isFirst) {
         const StreakTurn turn{field, *domain, frame, 0, 0, mShape.reach()};
+        NeighbourhoodGrid heads(mShape.spacing, domain->period());
         for (std::uint64_t attempt = 0; attempt < kFirstAttempts; ++attempt) {
-            const auto places = freePlaces(mStreaks, mShape.spacing, *domain, *region, mSeed, ~attempt);
+            const auto places = freePlaces(mStreaks, heads, mShape.spacing, *domain, *region, mSeed, ~attempt);
+            const std::size_t before = mStreaks.size();
             addFirstStreaks(turn, mTexture.pathline, *region, double(mShape.tail), places, owners, mStreaks);
+            addLive(mStreaks, before, heads);
             result.stats.released += places.size();
-            sortByPlace();
         }
+        sortByPlace();
         markSources(start, fileNumber);
     } else if (mLastInterval > 0 && mLastInterval != flow.seconds()) {
         const auto scale = float(flow.seconds() / mLastInterval);
@@ -154,11 +156,12 @@ void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, T
         const StreakTurn turn{field,         *there.domain.velocity, frame, float(i) / kTurns, float(i + 1) / kTurns,
                               mShape.reach()};
         result.stats.steps += advanceStreaks(turn, mTexture.pathline, owners, mStreaks);
-        if (!mParams.emits())
-            result.stats.blocked += retireCrowded(mStreaks, mShape.spacing, turn.endTime(), domain->period());
+        NeighbourhoodGrid heads(mShape.spacing, domain->period());
+        addLive(mStreaks, 0, heads);
+        if (!mParams.emits()) result.stats.blocked += retireCrowded(mStreaks, heads, turn.endTime());
         const std::shared_ptr<const Domain> emitting = isLast ? emittingPart(end, fileNumber) : region;
-        const auto places =
-            freePlaces(mStreaks, mShape.spacing, turn.end, *emitting, mSeed, number * kTurns + std::uint64_t(i));
+        const auto places = freePlaces(mStreaks, heads, mShape.spacing, turn.end, *emitting, mSeed,
+                                       number * kTurns + std::uint64_t(i));
         addStreaks(turn, mTexture.pathline, *emitting, places, owners, mStreaks);
         result.stats.released += places.size();
         markSources(there, fileNumber);
@@ -203,13 +206,14 @@ void StreakTexture::forgetPast(double time)
 {
     const auto tail = double(mShape.tail);
     std::erase_if(mStreaks, [&](const Streak& streak) { return streak.isGone(time, tail); });
-    for (Streak& streak : mStreaks) {
-        const auto first = std::find_if(streak.path.begin(), streak.path.end(),
-                                        [&](const StreakNode& node) { return node.time > time - tail; });
+    tbb::parallel_for(std::size_t(0), mStreaks.size(), [&](std::size_t i) {
+        std::vector<StreakNode>& path = mStreaks[i].path;
+        const auto first =
+            std::find_if(path.begin(), path.end(), [&](const StreakNode& node) { return node.time > time - tail; });
         // The previous node is an end of the curve in which the tail ends.
-        const auto kept = first == streak.path.begin() ? first : first - 1;
-        streak.path.erase(streak.path.begin(), kept);
-    }
+        path.erase(path.begin(), first == path.begin() ? first : first - 1);
+    });
+    sortByPlace();
 }
 
 /// Order streaks by the leaves of their heads, so that neighbours in space are near in memory.
