@@ -105,9 +105,9 @@ std::size_t retireCrowded(std::vector<Streak>& streaks, const NeighbourhoodGrid&
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, streaks.size()), [&](const auto& range) {
         const NeighbourhoodGrid::Look look(heads);
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            isContested[i] = streaks[i].isLive() && look.anyWithin(headOf(streaks[i]), kCrowded, [&](std::uint32_t other) {
-                return isOlder(other, std::uint32_t(i));
-            });
+            isContested[i] = streaks[i].isLive() &&
+                             look.anyWithin(headOf(streaks[i]), kCrowded,
+                                            [&](std::uint32_t other) { return isOlder(other, std::uint32_t(i)); });
         }
     });
     std::vector<std::uint32_t> contested;

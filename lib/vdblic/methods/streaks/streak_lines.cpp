@@ -8,11 +8,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <unordered_set>
+#include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -26,6 +28,27 @@ struct Sample {
 };
 using Samples = std::vector<Sample>;
 
+/// A line: a part of a tail.
+struct Part {
+    bool isRest; // whether it does not end at the head
+    std::uint64_t name;
+    std::size_t begin, end; // in `samples`
+    const Samples* samples;
+    const Streak* streak;
+
+    /// Heads first: their numbers are the same in all frames. Then by name: a resumed run has another order.
+    bool operator<(const Part& other) const
+    {
+        return std::tie(isRest, name, begin) < std::tie(other.isRest, other.name, other.begin);
+    }
+};
+
+/// The lines of some streaks.
+struct Block {
+    Samples samples;
+    std::vector<Part> parts;
+};
+
 /// Samples tails of streaks, from their ends to the heads.
 class TailSampler {
   public:
@@ -38,15 +61,18 @@ class TailSampler {
         mTolerance = radius / 4;
     }
 
-    /// The visible parts of a tail in the domain, ordered from the tail's end to the head.
-    [[nodiscard]] std::vector<Samples> parts(const Streak& streak) const
+    /// Add the visible parts of a tail in the domain, ordered from the tail's end to the head.
+    void add(const Streak& streak, Block& block) const
     {
-        std::vector<Samples> parts;
+        const std::size_t before = block.parts.size();
         for (Samples& part : inBox(samples(streak))) {
-            for (const Samples& inside : inDomain(std::move(part)))
-                parts.push_back(thinned(inside));
+            for (const Samples& inside : inDomain(std::move(part))) {
+                const std::size_t begin = block.samples.size();
+                addThinned(inside, block.samples);
+                block.parts.push_back({true, streak.name, begin, block.samples.size(), &block.samples, &streak});
+            }
         }
-        return parts;
+        if (block.parts.size() > before) block.parts.back().isRest = false;
     }
 
   private:
@@ -192,11 +218,10 @@ class TailSampler {
         return int(std::ceil(std::clamp(part * std::sqrt(second / (8 * double(mTolerance) / 2)), 1.0, kMost)));
     }
 
-    /// Few samples within the tolerance at equal times: keep the farthest one between two kept ones until none is too
-    /// far (Douglas and Peucker 1973).
-    [[nodiscard]] Samples thinned(const Samples& all) const
+    /// Add few samples within the tolerance at equal times: keep the farthest one between two kept ones until none is
+    /// too far (Douglas and Peucker 1973).
+    void addThinned(const Samples& all, Samples& samples) const
     {
-        if (all.size() < 3) return all;
         std::vector<bool> isKept(all.size(), false);
         isKept.front() = isKept.back() = true;
         std::vector<std::array<std::size_t, 2>> spans{{0, all.size() - 1}};
@@ -219,12 +244,9 @@ class TailSampler {
             spans.push_back({first, at});
             spans.push_back({at, last});
         }
-        Samples kept;
-        kept.reserve(std::size_t(std::ranges::count(isKept, true)));
         for (std::size_t i = 0; i < all.size(); ++i) {
-            if (isKept[i]) kept.push_back(all[i]);
+            if (isKept[i]) samples.push_back(all[i]);
         }
-        return kept;
     }
 
     const Domain& mDomain;
@@ -236,18 +258,33 @@ class TailSampler {
 class Numbers {
   public:
     /// @param most names
-    explicit Numbers(std::size_t most) { mTaken.reserve(most); }
+    explicit Numbers(std::size_t most) : mTaken(std::bit_ceil(2 * most + 1)) {}
 
     [[nodiscard]] std::int32_t of(std::uint64_t name)
     {
         auto number = std::uint32_t(name);
-        while (!mTaken.insert(number).second)
+        while (!take(number))
             ++number;
         return std::int32_t(number);
     }
 
   private:
-    std::unordered_set<std::uint32_t> mTaken;
+    /// @return whether it was free
+    bool take(std::uint32_t number)
+    {
+        for (std::size_t at = number;; ++at) {
+            std::uint64_t& slot = mTaken[at & (mTaken.size() - 1)];
+            if (slot == 0)
+                slot = std::uint64_t(number) + 1;
+            else if (slot != std::uint64_t(number) + 1)
+                continue;
+            else
+                return false;
+            return true;
+        }
+    }
+
+    std::vector<std::uint64_t> mTaken; // a hash table of numbers plus 1; 0 where it is free
 };
 
 /// The mean radius of a streak's head in world space.
@@ -266,30 +303,23 @@ Lines streakLines(const std::vector<Streak>& streaks, const StreakShape& shape, 
                   const openvdb::math::Transform& transform)
 {
     const TailSampler sampler(shape, domain, time);
-    std::vector<std::vector<Samples>> tails(streaks.size());
-    tbb::parallel_for(std::size_t(0), streaks.size(), [&](std::size_t i) { tails[i] = sampler.parts(streaks[i]); });
-    std::vector<std::pair<std::uint64_t, std::size_t>> order(streaks.size()); // by name: a resumed run has another order
-    for (std::size_t i = 0; i < order.size(); ++i)
-        order[i] = {streaks[i].name, i};
-    tbb::parallel_sort(order);
-    struct Part {
-        const Streak* streak;
-        const Samples* samples;
-    };
+    constexpr std::size_t kTogether = 1024; // streaks of a block
+    std::vector<Block> blocks((streaks.size() + kTogether - 1) / kTogether);
+    tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t block) {
+        const std::size_t first = block * kTogether;
+        for (std::size_t i = first; i < std::min(first + kTogether, streaks.size()); ++i)
+            sampler.add(streaks[i], blocks[block]);
+    });
     std::vector<Part> parts;
-    for (const auto& [name, i] : order) { // heads first: their numbers are the same in all frames
-        if (!tails[i].empty()) parts.push_back({&streaks[i], &tails[i].back()});
-    }
-    for (const auto& [name, i] : order) {
-        for (std::size_t part = 1; part < tails[i].size(); ++part)
-            parts.push_back({&streaks[i], &tails[i][part - 1]});
-    }
+    for (const Block& block : blocks)
+        parts.insert(parts.end(), block.parts.begin(), block.parts.end());
+    tbb::parallel_sort(parts);
     Lines lines;
     Numbers numbers(parts.size());
     std::uint32_t end = 0;
-    for (const auto& [streak, samples] : parts) {
-        const std::uint32_t begin = std::exchange(end, end + std::uint32_t(samples->size()));
-        lines.lines.push_back({numbers.of(streak->name), begin, end, streak->source});
+    for (const Part& part : parts) {
+        const std::uint32_t begin = std::exchange(end, end + std::uint32_t(part.end - part.begin));
+        lines.lines.push_back({numbers.of(part.name), begin, end, part.streak->source});
     }
     lines.positions.resize(end);
     lines.radii.resize(end);
@@ -297,11 +327,11 @@ Lines streakLines(const std::vector<Streak>& streaks, const StreakShape& shape, 
     lines.ages.resize(end);
     const float radius = worldRadius(shape, transform);
     tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {
-        const auto& [streak, samples] = parts[i];
-        const double oldest = streak->tailEnd(time, double(shape.tail));
-        const auto bright = float(streak->brightness(time));
+        const Part& part = parts[i];
+        const double oldest = part.streak->tailEnd(time, double(shape.tail));
+        const auto bright = float(part.streak->brightness(time));
         std::size_t to = lines.lines[i].begin;
-        for (const Sample& sample : *samples) {
+        for (const Sample& sample : std::span(*part.samples).subspan(part.begin, part.end - part.begin)) {
             const float share = std::clamp(float((sample.time - oldest) / (time - oldest)), 0.0f, 1.0f);
             lines.positions[to] = sample.position;
             lines.opacities[to] = bright * share;

@@ -160,8 +160,8 @@ void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, T
         addLive(mStreaks, 0, heads);
         if (!mParams.emits()) result.stats.blocked += retireCrowded(mStreaks, heads, turn.endTime());
         const std::shared_ptr<const Domain> emitting = isLast ? emittingPart(end, fileNumber) : region;
-        const auto places = freePlaces(mStreaks, heads, mShape.spacing, turn.end, *emitting, mSeed,
-                                       number * kTurns + std::uint64_t(i));
+        const auto places =
+            freePlaces(mStreaks, heads, mShape.spacing, turn.end, *emitting, mSeed, number * kTurns + std::uint64_t(i));
         addStreaks(turn, mTexture.pathline, *emitting, places, owners, mStreaks);
         result.stats.released += places.size();
         markSources(there, fileNumber);
