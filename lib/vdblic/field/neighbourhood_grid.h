@@ -57,7 +57,7 @@ class NeighbourhoodGrid {
                 return false;
             };
             const openvdb::Coord own = mGrid.cell(position);
-            if (anyIn(own)) return true; // most often
+            if (anyIn(own)) return true; // the likeliest
             for (openvdb::CoordBBox::Iterator<true> cell(openvdb::CoordBBox(first, last)); cell; ++cell) {
                 if (*cell != own && anyIn(*cell)) return true;
             }

@@ -131,7 +131,7 @@ std::vector<Lines::Scalar> scalarsOf(const PointLeaf& leaf)
 template<typename T>
 std::vector<T> ordered(const std::vector<std::uint32_t>& order, const std::vector<T>& values)
 {
-    std::vector<T> result(values.size());
+    std::vector<T> result(order.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size()), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i)
             result[i] = values[order[i]];
@@ -145,8 +145,10 @@ std::vector<std::uint32_t> renumbered(PointIndexGrid& index)
 {
     std::vector<std::uint32_t> order;
     for (auto leaf = index.tree().beginLeaf(); leaf; ++leaf) {
-        for (auto& number : leaf->indices())
-            number = (order.push_back(number), std::uint32_t(order.size() - 1));
+        for (auto& number : leaf->indices()) {
+            order.push_back(number);
+            number = std::uint32_t(order.size() - 1);
+        }
     }
     return order;
 }

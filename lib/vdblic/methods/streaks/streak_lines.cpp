@@ -272,19 +272,14 @@ class Numbers {
     /// @return whether it was free
     bool take(std::uint32_t number)
     {
-        for (std::size_t at = number;; ++at) {
-            std::uint64_t& slot = mTaken[at & (mTaken.size() - 1)];
-            if (slot == 0)
-                slot = std::uint64_t(number) + 1;
-            else if (slot != std::uint64_t(number) + 1)
-                continue;
-            else
-                return false;
-            return true;
-        }
+        const std::size_t last = mTaken.size() - 1;
+        std::size_t at = number & last;
+        while (mTaken[at] != 0 && mTaken[at] != std::uint64_t(number) + 1)
+            at = (at + 1) & last;
+        return std::exchange(mTaken[at], std::uint64_t(number) + 1) == 0;
     }
 
-    std::vector<std::uint64_t> mTaken; // a hash table of numbers plus 1; 0 where it is free
+    std::vector<std::uint64_t> mTaken; // a hash table of numbers plus 1, and 0 where it is free
 };
 
 /// The mean radius of a streak's head in world space.

@@ -4,6 +4,8 @@
 #include "vdblic/core/message.h"
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/domain_rows.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/neighbourhood_grid.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/lic/path_reach.h"
