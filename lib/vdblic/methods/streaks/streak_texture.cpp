@@ -191,11 +191,11 @@ std::shared_ptr<const Domain> StreakTexture::emittingPart(const VelocityFrame& f
 void StreakTexture::markSources(const VelocityFrame& frame, std::int64_t number)
 {
     const std::vector<StreakSource> sources = sourcesOf(mParams);
+    const openvdb::math::Transform::ConstPtr inWorld = frame.inWorld(frame.values->transform());
     for (std::size_t i = 0; i < sources.size(); ++i) {
         DomainParams cut;
         cut.mask = sources[i].grid;
-        const FrameDomain region = makeDomain(copyOf(frame.domain.velocity->topology()),
-                                              *frame.inWorld(frame.values->transform()), cut, number);
+        const FrameDomain region = makeDomain(copyOf(frame.domain.velocity->topology()), *inWorld, cut, number);
         for (Streak& streak : mStreaks) {
             const auto& [x, y, z] = streak.path.back().position;
             if (!streak.isStopped && covers(*region.velocity, Float4{x, y, z, 0})) streak.source = std::uint8_t(i + 1);
