@@ -48,12 +48,18 @@ class NeighbourhoodGrid {
                 first[axis] = int(std::floor(at[std::size_t(axis)] - distance));
                 last[axis] = int(std::floor(at[std::size_t(axis)] + distance));
             }
-            for (openvdb::CoordBBox::Iterator<true> cell(openvdb::CoordBBox(first, last)); cell; ++cell) {
-                for (int i = mCells.getValue(*cell); i >= 0;) {
+            const auto anyIn = [&](const openvdb::Coord& cell) {
+                for (int i = mCells.getValue(cell); i >= 0;) {
                     const Entry& entry = mGrid.mPoints[std::size_t(i)];
                     if (squaredDistance(at, entry.at) < distance * distance && is(entry.number)) return true;
                     i = entry.next;
                 }
+                return false;
+            };
+            const openvdb::Coord own = mGrid.cell(position);
+            if (anyIn(own)) return true; // the likeliest
+            for (openvdb::CoordBBox::Iterator<true> cell(openvdb::CoordBBox(first, last)); cell; ++cell) {
+                if (*cell != own && anyIn(*cell)) return true;
             }
             return false;
         }

@@ -127,19 +127,36 @@ std::vector<Lines::Scalar> scalarsOf(const PointLeaf& leaf)
     return scalars;
 }
 
+/// Values in an order: the result's i-th one is at order[i].
 template<typename T>
-void permute(const std::vector<std::uint32_t>& order, std::vector<T>& values)
+std::vector<T> ordered(const std::vector<std::uint32_t>& order, const std::vector<T>& values)
 {
-    std::vector<T> permuted;
-    permuted.reserve(values.size());
-    for (const std::uint32_t i : order)
-        permuted.push_back(values[i]);
-    values = std::move(permuted);
+    std::vector<T> result(order.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size()), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            result[i] = values[order[i]];
+    });
+    return result;
+}
+
+/// Number the points of an index in the order of its leaves, so that those of a leaf are near in memory.
+/// @return their numbers so far, in the new order
+std::vector<std::uint32_t> renumbered(PointIndexGrid& index)
+{
+    std::vector<std::uint32_t> order;
+    for (auto leaf = index.tree().beginLeaf(); leaf; ++leaf) {
+        for (auto& number : leaf->indices()) {
+            order.push_back(number);
+            number = std::uint32_t(order.size() - 1);
+        }
+    }
+    return order;
 }
 
 } // namespace
 
-openvdb::GridBase::Ptr lineGrid(const Lines& lines, const openvdb::math::Transform& transform)
+openvdb::GridBase::Ptr lineGrid(const Lines& lines, const openvdb::math::Transform& transform,
+                                std::span<const openvdb::FloatGrid::Ptr> scalars)
 {
     openvdb::initialize(); // registers the attribute types
     std::vector<std::int32_t> ids(lines.pointCount()), orders(lines.pointCount()), sources(lines.pointCount());
@@ -153,20 +170,25 @@ openvdb::GridBase::Ptr lineGrid(const Lines& lines, const openvdb::math::Transfo
         }
     }
     using PositionCodec = openvdb::points::FixedPointCodec<false>;
+    using Positions = openvdb::points::PointAttributeVector<Vec3f>;
     const auto voxels = openvdb::math::Transform::createLinearTransform(1.0); // positions are in index space
-    const openvdb::points::PointAttributeVector<Vec3f> positions(lines.positions);
-    const auto index = openvdb::tools::createPointIndexGrid<PointIndexGrid>(positions, *voxels);
-    const auto grid = openvdb::points::createPointDataGrid<PositionCodec, PointDataGrid>(*index, positions, *voxels);
+    const auto index = openvdb::tools::createPointIndexGrid<PointIndexGrid>(Positions(lines.positions), *voxels);
+    const std::vector<std::uint32_t> order = renumbered(*index);
+    const std::vector<Vec3f> positions = ordered(order, lines.positions);
+    const auto grid =
+        openvdb::points::createPointDataGrid<PositionCodec, PointDataGrid>(*index, Positions(positions), *voxels);
     grid->setTransform(transform.copy());
     grid->setName(kLineGrid);
-    appendValues(*grid, *index, kId, ids);
-    appendValues(*grid, *index, kOrder, orders);
-    appendScalar(*grid, *index, kRadius, lines.radii);
-    appendValues<float, UnitCodec>(*grid, *index, kOpacity, lines.opacities);
-    appendValues(*grid, *index, kLineAge, lines.ages);
-    if (hasSources) appendValues(*grid, *index, kSource, sources);
+    appendValues(*grid, *index, kId, ordered(order, ids));
+    appendValues(*grid, *index, kOrder, ordered(order, orders));
+    appendScalar(*grid, *index, kRadius, ordered(order, lines.radii));
+    appendValues<float, UnitCodec>(*grid, *index, kOpacity, ordered(order, lines.opacities));
+    appendValues(*grid, *index, kLineAge, ordered(order, lines.ages));
+    if (hasSources) appendValues(*grid, *index, kSource, ordered(order, sources));
     for (const Lines::Scalar& scalar : lines.scalars)
-        appendScalar(*grid, *index, scalar.name, scalar.values);
+        appendScalar(*grid, *index, scalar.name, ordered(order, scalar.values));
+    for (const openvdb::FloatGrid::Ptr& scalar : scalars)
+        appendScalar(*grid, *index, scalar->getName(), valuesAt(*scalar, positions, transform));
     return grid;
 }
 
@@ -200,12 +222,12 @@ Lines linesOf(const openvdb::GridBase& base)
             throw InputError(fmt::format("point {} of its line {} is missing or twice there", i - line.begin, id));
         line.end = i + 1;
     }
-    permute(order, lines.positions);
-    permute(order, lines.radii);
-    permute(order, lines.opacities);
-    permute(order, lines.ages);
+    lines.positions = ordered(order, lines.positions);
+    lines.radii = ordered(order, lines.radii);
+    lines.opacities = ordered(order, lines.opacities);
+    lines.ages = ordered(order, lines.ages);
     for (Lines::Scalar& scalar : lines.scalars)
-        permute(order, scalar.values);
+        scalar.values = ordered(order, scalar.values);
     return std::move(lines);
 }
 

@@ -26,7 +26,9 @@ inline constexpr auto kLineAttributes =
 /// The grid of lines. Positions have 16 bits a coordinate within a voxel; scalars are halfs, or floats if the largest
 /// magnitude is outside 1/16 to 65504. Computed in parallel; the bytes do not depend on the number of threads.
 /// @param transform of the velocity
-[[nodiscard]] openvdb::GridBase::Ptr lineGrid(const Lines& lines, const openvdb::math::Transform& transform);
+/// @param scalars  whose values at the points the grid has too, by valuesAt()
+[[nodiscard]] openvdb::GridBase::Ptr lineGrid(const Lines& lines, const openvdb::math::Transform& transform,
+                                              std::span<const openvdb::FloatGrid::Ptr> scalars = {});
 
 /// The lines of a grid, in ascending order of their ids.
 /// @throws InputError, without the file's name, if an attribute is missing or of another type, a value other than a

@@ -71,21 +71,14 @@ openvdb::Int32Grid::Ptr hitsGrid(const openvdb::Int32Tree::Ptr& tree, const open
 }
 
 /// The streaks as points, with the given and the carried scalars.
-openvdb::GridBase::Ptr linesWith(const std::vector<openvdb::FloatGrid::Ptr>& scalars, TextureFrame& made)
+openvdb::GridBase::Ptr linesWith(std::vector<openvdb::FloatGrid::Ptr> scalars, TextureFrame& made)
 {
     if (!made.frame.domain.velocity->isWhole())
         throw ParameterError("`draw` lines: only a run by one process draws them; use vdblic_advect");
-    const openvdb::math::Transform& transform = made.frame.values->transform();
-    Lines lines = *std::exchange(made.lines, std::nullopt);
-    const auto add = [&](const openvdb::FloatGrid& scalar) {
-        lines.scalars.push_back({scalar.getName(), valuesAt(scalar, lines.positions, transform)});
-    };
-    for (const openvdb::FloatGrid::Ptr& scalar : scalars)
-        add(*scalar);
     for (const openvdb::GridBase::Ptr& grid : made.frame.carried) {
-        if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) add(*scalar);
+        if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) scalars.push_back(scalar);
     }
-    return lineGrid(lines, transform);
+    return lineGrid(*std::exchange(made.lines, std::nullopt), made.frame.values->transform(), scalars);
 }
 
 /// Bring a step's grids from the observer's space back to their places in the world. Carried grids and the scalars

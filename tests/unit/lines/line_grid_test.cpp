@@ -108,6 +108,26 @@ TEST(LineGrid, KeepsScalarsThatAreTooSmallForHalfs)
         EXPECT_TRUE(i == 7 || found.scalars[tiny].values[i] == lines.scalars[1].values[i]) << i;
 }
 
+TEST(LineGrid, HasTheValuesOfAScalarAtItsPoints)
+{
+    const Lines lines = someLines();
+    const auto heat = openvdb::FloatGrid::create();
+    heat->setName("heat");
+    for (openvdb::CoordBBox::Iterator<true> voxel({{-30, -5, -5}, {200, 5, 5}}); voxel; ++voxel)
+        heat->tree().setValue(*voxel, float((*voxel)[0] % 16) + 16 * float((*voxel)[1]));
+    const std::vector<openvdb::FloatGrid::Ptr> scalars = {heat};
+    const Lines found = linesOf(*lineGrid(lines, *kTransform, scalars));
+    const auto values = std::ranges::find(found.scalars, "heat", &Lines::Scalar::name);
+    ASSERT_NE(values, found.scalars.end());
+    const std::vector<float> expected = valuesAt(*heat, lines.positions, *kTransform);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        if (std::isnan(expected[i]))
+            EXPECT_TRUE(std::isnan(values->values[i])) << i;
+        else
+            EXPECT_NEAR(values->values[i], expected[i], 0.07f) << i; // a half
+    }
+}
+
 TEST(LineGrid, MayBeEmpty)
 {
     const openvdb::GridBase::Ptr grid = lineGrid({}, *kTransform);

@@ -2,15 +2,16 @@
 
 #include "vdblic/field/leaf_voxel.h"
 #include "vdblic/field/mix_bits.h"
-#include "vdblic/field/neighbourhood_grid.h"
 
 #include <openvdb/openvdb.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace vdblic {
 namespace {
@@ -88,32 +89,33 @@ void addPlaces(const Cells& cells, const openvdb::MaskTree& domain, const Domain
 
 } // namespace
 
-std::size_t retireCrowded(std::vector<Streak>& streaks, const std::array<float, 3>& spacing, double time,
-                          const Period& period)
+void addLive(const std::vector<Streak>& streaks, std::size_t first, NeighbourhoodGrid& heads)
 {
-    NeighbourhoodGrid grid(spacing, period);
-    std::vector<std::uint32_t> live;
-    for (std::uint32_t i = 0; i < streaks.size(); ++i) {
-        if (!streaks[i].isLive()) continue;
-        grid.add(headOf(streaks[i]), i);
-        live.push_back(i);
+    for (std::size_t i = first; i < streaks.size(); ++i) {
+        if (streaks[i].isLive()) heads.add(headOf(streaks[i]), std::uint32_t(i));
     }
+}
+
+std::size_t retireCrowded(std::vector<Streak>& streaks, const NeighbourhoodGrid& heads, double time)
+{
     const auto isOlder = [&](std::uint32_t a, std::uint32_t b) {
         return std::tie(streaks[a].born, streaks[a].name) < std::tie(streaks[b].born, streaks[b].name);
     };
-    std::vector<std::uint8_t> isContested(live.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, live.size()), [&](const auto& range) {
-        const NeighbourhoodGrid::Look look(grid);
-        for (std::size_t i = range.begin(); i < range.end(); ++i)
-            isContested[i] = look.anyWithin(headOf(streaks[live[i]]), kCrowded,
-                                            [&](std::uint32_t other) { return isOlder(other, live[i]); });
+    std::vector<std::uint8_t> isContested(streaks.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, streaks.size()), [&](const auto& range) {
+        const NeighbourhoodGrid::Look look(heads);
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            isContested[i] = streaks[i].isLive() &&
+                             look.anyWithin(headOf(streaks[i]), kCrowded,
+                                            [&](std::uint32_t other) { return isOlder(other, std::uint32_t(i)); });
+        }
     });
     std::vector<std::uint32_t> contested;
-    for (std::size_t i = 0; i < live.size(); ++i) {
-        if (isContested[i]) contested.push_back(live[i]);
+    for (std::uint32_t i = 0; i < streaks.size(); ++i) {
+        if (isContested[i]) contested.push_back(i);
     }
     std::sort(contested.begin(), contested.end(), isOlder);
-    const NeighbourhoodGrid::Look look(grid);
+    const NeighbourhoodGrid::Look look(heads);
     std::size_t retired = 0;
     for (const std::uint32_t i : contested) {
         const bool isCrowded = look.anyWithin(headOf(streaks[i]), kCrowded, [&](std::uint32_t other) {
@@ -126,37 +128,40 @@ std::size_t retireCrowded(std::vector<Streak>& streaks, const std::array<float, 
     return retired;
 }
 
-std::vector<StreakPlace> freePlaces(const std::vector<Streak>& streaks, const std::array<float, 3>& spacing,
-                                    const Domain& domain, const Domain& region, std::uint32_t seed, std::uint64_t turn)
+std::vector<StreakPlace> freePlaces(const std::vector<Streak>& streaks, const NeighbourhoodGrid& heads,
+                                    const std::array<float, 3>& spacing, const Domain& domain, const Domain& region,
+                                    std::uint32_t seed, std::uint64_t turn)
 {
-    NeighbourhoodGrid grid(spacing, domain.period());
-    for (std::uint32_t i = 0; i < streaks.size(); ++i) {
-        if (streaks[i].isLive()) grid.add(headOf(streaks[i]), i);
-    }
     openvdb::CoordBBox box;
     domain.topology().evalActiveVoxelBoundingBox(box);
     const Cells cells(spacing, box, mixBits(mixBits(seed + 0x9e3779b97f4a7c15u) + turn));
     std::vector<std::vector<StreakPlace>> ofLeaves(region.leafCount());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, region.leafCount()), [&](const auto& range) {
-        const NeighbourhoodGrid::Look look(grid);
+        const NeighbourhoodGrid::Look look(heads);
         for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
             addPlaces(cells, domain.topology(), region, leaf, ofLeaves[leaf]);
             std::erase_if(ofLeaves[leaf], [&](const StreakPlace& place) {
-                return look.anyWithin(place.position, kFree, [](std::uint32_t) { return true; });
+                return look.anyWithin(place.position, kFree, [&](std::uint32_t i) { return streaks[i].isLive(); });
             });
         }
     });
     std::vector<StreakPlace> places, free;
     for (const std::vector<StreakPlace>& some : ofLeaves)
         places.insert(places.end(), some.begin(), some.end());
-    std::sort(places.begin(), places.end(), [](const StreakPlace& a, const StreakPlace& b) { return a.name < b.name; });
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> byName(places.size());
+    for (std::uint32_t i = 0; i < places.size(); ++i)
+        byName[i] = {places[i].name, i};
+    tbb::parallel_sort(byName);
     NeighbourhoodGrid taken(spacing, domain.period());
-    for (const StreakPlace& place : places) {
-        const bool isTaken =
-            NeighbourhoodGrid::Look(taken).anyWithin(place.position, kFree, [](std::uint32_t) { return true; });
-        if (isTaken) continue;
-        taken.add(place.position, std::uint32_t(free.size()));
-        free.push_back(place);
+    const NeighbourhoodGrid::Look look(taken);
+    std::vector<std::uint8_t> isFree(places.size());
+    for (const auto& [name, i] : byName) {
+        if (look.anyWithin(places[i].position, kFree, [](std::uint32_t) { return true; })) continue;
+        taken.add(places[i].position, i);
+        isFree[i] = 1;
+    }
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        if (isFree[i]) free.push_back(places[i]);
     }
     return free;
 }

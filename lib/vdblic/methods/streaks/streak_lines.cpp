@@ -4,15 +4,19 @@
 #include "vdblic/methods/streaks/streak_pieces.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
-#include <unordered_set>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace vdblic {
 namespace {
@@ -23,6 +27,27 @@ struct Sample {
     double time;
 };
 using Samples = std::vector<Sample>;
+
+/// A line: a part of a tail.
+struct Part {
+    bool isRest; // whether it does not end at the head
+    std::uint64_t name;
+    std::size_t begin, end; // in `samples`
+    const Samples* samples;
+    const Streak* streak;
+
+    /// Heads first: their numbers are the same in all frames. Then by name: a resumed run has another order.
+    bool operator<(const Part& other) const
+    {
+        return std::tie(isRest, name, begin) < std::tie(other.isRest, other.name, other.begin);
+    }
+};
+
+/// The lines of some streaks.
+struct Block {
+    Samples samples;
+    std::vector<Part> parts;
+};
 
 /// Samples tails of streaks, from their ends to the heads.
 class TailSampler {
@@ -36,15 +61,18 @@ class TailSampler {
         mTolerance = radius / 4;
     }
 
-    /// The visible parts of a tail in the domain, ordered from the tail's end to the head.
-    [[nodiscard]] std::vector<Samples> parts(const Streak& streak) const
+    /// Add the visible parts of a tail in the domain, ordered from the tail's end to the head.
+    void add(const Streak& streak, Block& block) const
     {
-        std::vector<Samples> parts;
-        for (const Samples& part : inBox(samples(streak))) {
-            for (const Samples& inside : inDomain(part))
-                parts.push_back(thinned(inside));
+        const std::size_t before = block.parts.size();
+        for (Samples& part : inBox(samples(streak))) {
+            for (const Samples& inside : inDomain(std::move(part))) {
+                const std::size_t begin = block.samples.size();
+                addThinned(inside, block.samples);
+                block.parts.push_back({true, streak.name, begin, block.samples.size(), &block.samples, &streak});
+            }
         }
-        return parts;
+        if (block.parts.size() > before) block.parts.back().isRest = false;
     }
 
   private:
@@ -71,11 +99,14 @@ class TailSampler {
     }
 
     /// Cut samples at the seams of a periodic box, and move each part into the box.
-    [[nodiscard]] std::vector<Samples> inBox(const Samples& all) const
+    [[nodiscard]] std::vector<Samples> inBox(Samples all) const
     {
         const Period& period = mDomain.period();
-        if (period.isNone() || all.size() < 2) return {all};
         std::vector<Samples> parts;
+        if (period.isNone() || all.size() < 2) {
+            parts.push_back(std::move(all));
+            return parts;
+        }
         openvdb::Vec3f last(0); // way of the last part into the box
         for (std::size_t i = 1; i < all.size(); ++i) {
             const std::vector<double> shares = seamsBetween(all[i - 1].position, all[i].position);
@@ -129,9 +160,13 @@ class TailSampler {
     }
 
     /// Cut samples at the domain's rim.
-    [[nodiscard]] std::vector<Samples> inDomain(const Samples& all) const
+    [[nodiscard]] std::vector<Samples> inDomain(Samples all) const
     {
         std::vector<Samples> parts;
+        if (std::ranges::all_of(all, [&](const Sample& sample) { return isInDomain(sample.position); })) {
+            if (all.size() > 1) parts.push_back(std::move(all));
+            return parts;
+        }
         bool wasInside = false;
         for (std::size_t i = 0; i < all.size(); ++i) {
             const bool isInside = isInDomain(all[i].position);
@@ -183,11 +218,10 @@ class TailSampler {
         return int(std::ceil(std::clamp(part * std::sqrt(second / (8 * double(mTolerance) / 2)), 1.0, kMost)));
     }
 
-    /// Few samples within the tolerance at equal times: keep the farthest one between two kept ones until none is too
-    /// far (Douglas and Peucker 1973).
-    [[nodiscard]] Samples thinned(const Samples& all) const
+    /// Add few samples within the tolerance at equal times: keep the farthest one between two kept ones until none is
+    /// too far (Douglas and Peucker 1973).
+    void addThinned(const Samples& all, Samples& samples) const
     {
-        if (all.size() < 3) return all;
         std::vector<bool> isKept(all.size(), false);
         isKept.front() = isKept.back() = true;
         std::vector<std::array<std::size_t, 2>> spans{{0, all.size() - 1}};
@@ -210,11 +244,9 @@ class TailSampler {
             spans.push_back({first, at});
             spans.push_back({at, last});
         }
-        Samples kept;
         for (std::size_t i = 0; i < all.size(); ++i) {
-            if (isKept[i]) kept.push_back(all[i]);
+            if (isKept[i]) samples.push_back(all[i]);
         }
-        return kept;
     }
 
     const Domain& mDomain;
@@ -225,16 +257,29 @@ class TailSampler {
 /// Maps 64-bit names to 32-bit numbers. If one is taken, the next free one is used.
 class Numbers {
   public:
+    /// @param most names
+    explicit Numbers(std::size_t most) : mTaken(std::bit_ceil(2 * most + 1)) {}
+
     [[nodiscard]] std::int32_t of(std::uint64_t name)
     {
         auto number = std::uint32_t(name);
-        while (!mTaken.insert(number).second)
+        while (!take(number))
             ++number;
         return std::int32_t(number);
     }
 
   private:
-    std::unordered_set<std::uint32_t> mTaken;
+    /// @return whether it was free
+    bool take(std::uint32_t number)
+    {
+        const std::size_t last = mTaken.size() - 1;
+        std::size_t at = number & last;
+        while (mTaken[at] != 0 && mTaken[at] != std::uint64_t(number) + 1)
+            at = (at + 1) & last;
+        return std::exchange(mTaken[at], std::uint64_t(number) + 1) == 0;
+    }
+
+    std::vector<std::uint64_t> mTaken; // a hash table of numbers plus 1, and 0 where it is free
 };
 
 /// The mean radius of a streak's head in world space.
@@ -253,35 +298,42 @@ Lines streakLines(const std::vector<Streak>& streaks, const StreakShape& shape, 
                   const openvdb::math::Transform& transform)
 {
     const TailSampler sampler(shape, domain, time);
-    std::vector<std::vector<Samples>> tails(streaks.size());
-    tbb::parallel_for(std::size_t(0), streaks.size(), [&](std::size_t i) { tails[i] = sampler.parts(streaks[i]); });
-    const float radius = worldRadius(shape, transform);
+    constexpr std::size_t kTogether = 1024; // streaks of a block
+    std::vector<Block> blocks((streaks.size() + kTogether - 1) / kTogether);
+    tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t block) {
+        const std::size_t first = block * kTogether;
+        for (std::size_t i = first; i < std::min(first + kTogether, streaks.size()); ++i)
+            sampler.add(streaks[i], blocks[block]);
+    });
+    std::vector<Part> parts;
+    for (const Block& block : blocks)
+        parts.insert(parts.end(), block.parts.begin(), block.parts.end());
+    tbb::parallel_sort(parts);
     Lines lines;
-    Numbers numbers;
-    const auto add = [&](const Streak& streak, const Samples& part) {
-        const auto begin = std::uint32_t(lines.pointCount());
-        const double oldest = streak.tailEnd(time, double(shape.tail));
-        const auto bright = float(streak.brightness(time));
-        for (const Sample& sample : part) {
+    Numbers numbers(parts.size());
+    std::uint32_t end = 0;
+    for (const Part& part : parts) {
+        const std::uint32_t begin = std::exchange(end, end + std::uint32_t(part.end - part.begin));
+        lines.lines.push_back({numbers.of(part.name), begin, end, part.streak->source});
+    }
+    lines.positions.resize(end);
+    lines.radii.resize(end);
+    lines.opacities.resize(end);
+    lines.ages.resize(end);
+    const float radius = worldRadius(shape, transform);
+    tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {
+        const Part& part = parts[i];
+        const double oldest = part.streak->tailEnd(time, double(shape.tail));
+        const auto bright = float(part.streak->brightness(time));
+        std::size_t to = lines.lines[i].begin;
+        for (const Sample& sample : std::span(*part.samples).subspan(part.begin, part.end - part.begin)) {
             const float share = std::clamp(float((sample.time - oldest) / (time - oldest)), 0.0f, 1.0f);
-            lines.positions.push_back(sample.position);
-            lines.opacities.push_back(bright * share);
-            lines.radii.push_back(radius * (kTailWidth + (1 - kTailWidth) * share));
-            lines.ages.push_back(float(time - sample.time));
+            lines.positions[to] = sample.position;
+            lines.opacities[to] = bright * share;
+            lines.radii[to] = radius * (kTailWidth + (1 - kTailWidth) * share);
+            lines.ages[to++] = float(time - sample.time);
         }
-        lines.lines.push_back({numbers.of(streak.name), begin, std::uint32_t(lines.pointCount()), streak.source});
-    };
-    std::vector<std::size_t> order(streaks.size()); // by name: a resumed run has another order
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return streaks[a].name < streaks[b].name; });
-    for (const std::size_t i : order) { // heads first: their numbers are the same in all frames
-        if (!tails[i].empty()) add(streaks[i], tails[i].back());
-    }
-    for (const std::size_t i : order) {
-        for (std::size_t part = 1; part < tails[i].size(); ++part)
-            add(streaks[i], tails[i][part - 1]);
-    }
+    });
     return lines;
 }
 

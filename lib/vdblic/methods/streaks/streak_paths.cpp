@@ -34,11 +34,13 @@ Position positionOf(Float4 vector)
 /// The streaks in this rank's own leaves, leaf by leaf, so that those advanced together sample the same bricks.
 std::vector<std::uint32_t> ownByLeaf(const Domain& domain, const std::vector<Streak>& streaks)
 {
+    std::vector<int> leaves(streaks.size(), -1);
+    tbb::parallel_for(std::size_t(0), streaks.size(), [&](std::size_t i) {
+        if (!streaks[i].isStopped) leaves[i] = domain.findLeaf(voxelOf(vectorOf(streaks[i].path.back().position)));
+    });
     std::vector<std::pair<int, std::uint32_t>> own;
     for (std::uint32_t i = 0; i < streaks.size(); ++i) {
-        if (streaks[i].isStopped) continue;
-        const int leaf = domain.findLeaf(voxelOf(vectorOf(streaks[i].path.back().position)));
-        if (leaf >= 0 && domain.isOwn(std::size_t(leaf))) own.emplace_back(leaf, i);
+        if (leaves[i] >= 0 && domain.isOwn(std::size_t(leaves[i]))) own.emplace_back(leaves[i], i);
     }
     std::sort(own.begin(), own.end());
     std::vector<std::uint32_t> numbers(own.size());
@@ -267,13 +269,14 @@ std::size_t advanceStreaks(const StreakTurn& turn, const PathlineParams& params,
             if (!isOwn[number]) path.insert(path.end(), nodes.begin(), nodes.end());
         });
     }
-    for (Streak& streak : streaks) {
+    tbb::parallel_for(std::size_t(0), streaks.size(), [&](std::size_t i) {
+        Streak& streak = streaks[i];
         moveIntoBox(turn.field.domain().period(), streak.path);
         const StreakNode& head = streak.path.back();
         const Int4 voxel = voxelOf(vectorOf(head.position));
         if (head.time < turn.endTime() || !turn.end.topology().isValueOn({voxel[0], voxel[1], voxel[2]}))
             streak.isStopped = true;
-    }
+    });
     std::size_t sum = 0;
     for (const std::size_t some : steps)
         sum += some;

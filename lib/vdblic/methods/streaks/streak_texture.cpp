@@ -4,6 +4,8 @@
 #include "vdblic/core/message.h"
 #include "vdblic/field/domain_mask.h"
 #include "vdblic/field/domain_rows.h"
+#include "vdblic/field/leaf_voxel.h"
+#include "vdblic/field/neighbourhood_grid.h"
 #include "vdblic/field/velocity_field.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/lic/path_reach.h"
@@ -15,6 +17,8 @@
 #include "vdblic/methods/streaks/streak_state.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -130,11 +134,15 @@ void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, T
     const std::shared_ptr<const Domain> region = emittingPart(start, fileNumber);
     if (isFirst) {
         const StreakTurn turn{field, *domain, frame, 0, 0, mShape.reach()};
+        NeighbourhoodGrid heads(mShape.spacing, domain->period());
         for (std::uint64_t attempt = 0; attempt < kFirstAttempts; ++attempt) {
-            const auto places = freePlaces(mStreaks, mShape.spacing, *domain, *region, mSeed, ~attempt);
+            const auto places = freePlaces(mStreaks, heads, mShape.spacing, *domain, *region, mSeed, ~attempt);
+            const std::size_t before = mStreaks.size();
             addFirstStreaks(turn, mTexture.pathline, *region, double(mShape.tail), places, owners, mStreaks);
+            addLive(mStreaks, before, heads);
             result.stats.released += places.size();
         }
+        sortByPlace();
         markSources(start, fileNumber);
     } else if (mLastInterval > 0 && mLastInterval != flow.seconds()) {
         const auto scale = float(flow.seconds() / mLastInterval);
@@ -150,11 +158,12 @@ void StreakTexture::traceFrame(const FlowStep& flow, const LeafOwners& owners, T
         const StreakTurn turn{field,         *there.domain.velocity, frame, float(i) / kTurns, float(i + 1) / kTurns,
                               mShape.reach()};
         result.stats.steps += advanceStreaks(turn, mTexture.pathline, owners, mStreaks);
-        if (!mParams.emits())
-            result.stats.blocked += retireCrowded(mStreaks, mShape.spacing, turn.endTime(), domain->period());
+        NeighbourhoodGrid heads(mShape.spacing, domain->period());
+        addLive(mStreaks, 0, heads);
+        if (!mParams.emits()) result.stats.blocked += retireCrowded(mStreaks, heads, turn.endTime());
         const std::shared_ptr<const Domain> emitting = isLast ? emittingPart(end, fileNumber) : region;
         const auto places =
-            freePlaces(mStreaks, mShape.spacing, turn.end, *emitting, mSeed, number * kTurns + std::uint64_t(i));
+            freePlaces(mStreaks, heads, mShape.spacing, turn.end, *emitting, mSeed, number * kTurns + std::uint64_t(i));
         addStreaks(turn, mTexture.pathline, *emitting, places, owners, mStreaks);
         result.stats.released += places.size();
         markSources(there, fileNumber);
@@ -182,11 +191,11 @@ std::shared_ptr<const Domain> StreakTexture::emittingPart(const VelocityFrame& f
 void StreakTexture::markSources(const VelocityFrame& frame, std::int64_t number)
 {
     const std::vector<StreakSource> sources = sourcesOf(mParams);
+    const openvdb::math::Transform::ConstPtr inWorld = frame.inWorld(frame.values->transform());
     for (std::size_t i = 0; i < sources.size(); ++i) {
         DomainParams cut;
         cut.mask = sources[i].grid;
-        const FrameDomain region = makeDomain(copyOf(frame.domain.velocity->topology()),
-                                              *frame.inWorld(frame.values->transform()), cut, number);
+        const FrameDomain region = makeDomain(copyOf(frame.domain.velocity->topology()), *inWorld, cut, number);
         for (Streak& streak : mStreaks) {
             const auto& [x, y, z] = streak.path.back().position;
             if (!streak.isStopped && covers(*region.velocity, Float4{x, y, z, 0})) streak.source = std::uint8_t(i + 1);
@@ -199,13 +208,31 @@ void StreakTexture::forgetPast(double time)
 {
     const auto tail = double(mShape.tail);
     std::erase_if(mStreaks, [&](const Streak& streak) { return streak.isGone(time, tail); });
-    for (Streak& streak : mStreaks) {
-        const auto first = std::find_if(streak.path.begin(), streak.path.end(),
-                                        [&](const StreakNode& node) { return node.time > time - tail; });
+    tbb::parallel_for(std::size_t(0), mStreaks.size(), [&](std::size_t i) {
+        std::vector<StreakNode>& path = mStreaks[i].path;
+        const auto first =
+            std::find_if(path.begin(), path.end(), [&](const StreakNode& node) { return node.time > time - tail; });
         // The previous node is an end of the curve in which the tail ends.
-        const auto kept = first == streak.path.begin() ? first : first - 1;
-        streak.path.erase(streak.path.begin(), kept);
-    }
+        path.erase(path.begin(), first == path.begin() ? first : first - 1);
+    });
+    sortByPlace();
+}
+
+/// Order streaks by the leaves of their heads, so that neighbours in space are near in memory.
+void StreakTexture::sortByPlace()
+{
+    std::vector<std::pair<openvdb::Coord, std::uint32_t>> places(mStreaks.size());
+    tbb::parallel_for(std::size_t(0), places.size(), [&](std::size_t i) {
+        const auto& [x, y, z] = mStreaks[i].path.back().position;
+        const Int4 voxel = voxelOf(Float4{x, y, z, 0});
+        places[i] = {openvdb::Coord(voxel[0], voxel[1], voxel[2]) & ~(LeafVoxel::kDim - 1), std::uint32_t(i)};
+    });
+    tbb::parallel_sort(places);
+    std::vector<Streak> sorted;
+    sorted.reserve(mStreaks.size());
+    for (const auto& place : places)
+        sorted.push_back(std::move(mStreaks[place.second]));
+    mStreaks = std::move(sorted);
 }
 
 Lengths<Space::kTexture> StreakTexture::farthestPath(const Speeds<Space::kTexture, Per::kFrame>& fastest,

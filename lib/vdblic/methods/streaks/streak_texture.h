@@ -44,6 +44,7 @@ class StreakTexture final : public FlowTexture, public TextureMemory, public Ada
     [[nodiscard]] std::shared_ptr<const Domain> emittingPart(const VelocityFrame& frame, std::int64_t number) const;
     void markSources(const VelocityFrame& frame, std::int64_t number);
     void forgetPast(double time);
+    void sortByPlace();
 
     TextureParams mTexture;
     StreakParams mParams;

@@ -50,7 +50,7 @@ StreakCost streakCost(const StreakShape& shape, StreakForm form, double voxels, 
                       const openvdb::CoordBBox& box)
 {
     constexpr double kDrawn = 90, kSeconds = 1.86e-7;   // for the square of the texture voxels in a spacing, a streak
-    constexpr double kLine = 1600, kLineSeconds = 8e-6; // a streak
+    constexpr double kLine = 1600, kLineSeconds = 4e-6; // a streak
     double cells = voxels, inCell = 1;
     for (std::size_t axis = 0; voxels > 0 && axis < 3; ++axis) {
         const double spacing = std::min(double(shape.spacing[axis]), double(extentOf(box)[axis]));

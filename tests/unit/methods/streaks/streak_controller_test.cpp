@@ -43,11 +43,27 @@ std::vector<Streak> streaksAt(const std::vector<StreakPlace>& places)
     return streaks;
 }
 
+std::size_t retire(std::vector<Streak>& streaks, double time)
+{
+    NeighbourhoodGrid heads(kTwo);
+    addLive(streaks, 0, heads);
+    return retireCrowded(streaks, heads, time);
+}
+
+std::vector<StreakPlace> placesBeside(const std::vector<Streak>& streaks, const std::array<float, 3>& spacing,
+                                      const Domain& domain, const Domain& region, std::uint32_t seed,
+                                      std::uint64_t turn)
+{
+    NeighbourhoodGrid heads(spacing);
+    addLive(streaks, 0, heads);
+    return freePlaces(streaks, heads, spacing, domain, region, seed, turn);
+}
+
 TEST(StreakController, OfTwoThatAreCrowdedTheYoungerRetires)
 {
     std::vector<Streak> streaks = {streakAt({0, 0, 0}, 1, 5), streakAt({0.8f, 0, 0}, 2, 3), streakAt({3, 0, 0}, 3, 1),
                                    streakAt({3.95f, 0, 0}, 4, 0)};
-    EXPECT_EQ(retireCrowded(streaks, kTwo, 7), 1u);
+    EXPECT_EQ(retire(streaks, 7), 1u);
     EXPECT_EQ(streaks[0].retired, 7); // 0.4 spacings from an older one
     EXPECT_TRUE(streaks[1].isLive());
     EXPECT_TRUE(streaks[2].isLive()); // 0.475 spacings are enough
@@ -61,7 +77,7 @@ TEST(StreakController, OneThatRetiresRetiresNoOther)
     streaks.reserve(5);
     for (int i = 0; i < 5; ++i)
         streaks.push_back(streakAt({0.8f * float(i), 0, 0}, std::uint64_t(i), i));
-    EXPECT_EQ(retireCrowded(streaks, kTwo, 9), 2u);
+    EXPECT_EQ(retire(streaks, 9), 2u);
     for (std::size_t i = 0; i < 5; ++i)
         EXPECT_EQ(streaks[i].isLive(), i % 2 == 0) << i;
 }
@@ -72,18 +88,18 @@ TEST(StreakController, RetiredAndStoppedOnesCrowdNobody)
                                    streakAt({0, 0.1f, 0}, 3, 2)};
     streaks[0].retired = 3;
     streaks[1].isStopped = true;
-    EXPECT_EQ(retireCrowded(streaks, kTwo, 4), 0u);
+    EXPECT_EQ(retire(streaks, 4), 0u);
 }
 
 TEST(StreakController, PlacesAreFreeAndApart)
 {
     const Domain domain = boxDomain({{-5, 3, 0}, {24, 30, 19}});
     const std::array<float, 3> spacing = {2, 3, 1.5f};
-    const std::vector<Streak> first = streaksAt(freePlaces({}, spacing, domain, domain, 1, 0));
+    const std::vector<Streak> first = streaksAt(placesBeside({}, spacing, domain, domain, 1, 0));
     const double cells = 30 * 28 * 20 / (2 * 3 * 1.5);
     EXPECT_GT(double(first.size()), 0.3 * cells);
     EXPECT_LT(double(first.size()), 1.2 * cells);
-    const std::vector<StreakPlace> more = freePlaces(first, spacing, domain, domain, 1, 1);
+    const std::vector<StreakPlace> more = placesBeside(first, spacing, domain, domain, 1, 1);
     EXPECT_GT(more.size(), 0u);
     EXPECT_LT(more.size(), first.size());
     std::vector<Streak> all = first;
@@ -100,8 +116,8 @@ TEST(StreakController, PlacesAreFreeAndApart)
 TEST(StreakController, PlacesAreTheSameInAPartOfTheDomain)
 {
     const Domain domain = boxDomain({{0, 0, 0}, {31, 31, 31}}), part = boxDomain({{8, 8, 8}, {15, 15, 15}});
-    const std::vector<StreakPlace> all = freePlaces({}, kTwo, domain, domain, 1, 0);
-    for (const StreakPlace& place : freePlaces({}, kTwo, domain, part, 1, 0)) {
+    const std::vector<StreakPlace> all = placesBeside({}, kTwo, domain, domain, 1, 0);
+    for (const StreakPlace& place : placesBeside({}, kTwo, domain, part, 1, 0)) {
         EXPECT_TRUE(covers(part, Float4{place.position[0], place.position[1], place.position[2], 0}));
         const bool isThere =
             std::any_of(all.begin(), all.end(), [&](const StreakPlace& other) { return other.name == place.name; });
@@ -116,7 +132,7 @@ TEST(StreakController, PlacesAreTheSameInAPartOfTheDomain)
 TEST(StreakController, PlacesOfAThinDomainLieInItsMiddle)
 {
     const Domain layer = boxDomain({{0, 0, 4}, {40, 40, 4}});
-    const std::vector<StreakPlace> places = freePlaces({}, kTwo, layer, layer, 1, 0);
+    const std::vector<StreakPlace> places = placesBeside({}, kTwo, layer, layer, 1, 0);
     EXPECT_GT(places.size(), 100u);
     for (const StreakPlace& place : places)
         EXPECT_EQ(place.position[2], 4);
@@ -127,7 +143,7 @@ TEST(StreakController, SeedAndTurnMoveThePlaces)
     const Domain domain = boxDomain({{0, 0, 0}, {15, 15, 15}});
     const auto names = [&](std::uint32_t seed, std::uint64_t turn) {
         std::vector<std::uint64_t> result;
-        for (const StreakPlace& place : freePlaces({}, kTwo, domain, domain, seed, turn))
+        for (const StreakPlace& place : placesBeside({}, kTwo, domain, domain, seed, turn))
             result.push_back(place.name);
         return result;
     };
