@@ -47,6 +47,7 @@ std::vector<glm::dvec3> directionsAround(const glm::dvec3& axis, std::optional<d
     const glm::dvec3 other = std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     const glm::dvec3 right = glm::normalize(glm::cross(axis, other)), up = glm::cross(axis, right);
     std::vector<glm::dvec3> result;
+    result.reserve(std::size_t(count));
     for (int i = 0; i < count; ++i) {
         const double square = (i + 0.5) / count, angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
         const double along = radius ? 1 : std::sqrt(1 - square);
@@ -321,6 +322,7 @@ GroundLight::GroundLight(const GroundPlane& plane, const ShadowCasters& casters,
             }
             if (!anyOf(seen > 0)) continue;
             std::vector<Points> points;
+            points.reserve(media.size());
             for (const Medium& medium : media)
                 points.emplace_back(medium, place);
             Float8 taken{};

@@ -134,8 +134,9 @@ class TailSampler {
             if (size == 0) continue;
             const double from = (double(a[axis]) - begin) / size, to = (double(b[axis]) - begin) / size;
             const double low = std::min(from, to), high = std::min(std::max(from, to), low + kMost);
-            for (double seam = std::floor(low) + 1; seam < high; ++seam)
-                shares.push_back((seam - from) / (to - from));
+            const double seam = std::floor(low) + 1;
+            for (int i = 0; seam + i < high; ++i)
+                shares.push_back((seam + i - from) / (to - from));
         }
         std::sort(shares.begin(), shares.end());
         return shares;
