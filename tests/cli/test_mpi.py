@@ -66,12 +66,22 @@ class Ranks(ToolTest):
                 ("x,y,z", (2, 3, 7), "--with", "vorticity"),
                 ("x", (5,), "--refine", 2, "--interpolation", "cubic"),
                 ("x,y,z", (3,), "--method", "streaks", "--spacing", 4),
+                ("x,z", (3,), "--method", "streaks", "--draw", "lines", "--spacing", 4, "--with", "vorticity"),
                 ("y,z", (3,), "--method", "ibfv", "--substeps", 2)):
             self.compare(ranks, "v.%04d.vdb", "--periodic", axes, *options)
 
     def test_streaks(self):
         self.compare([1, 3, 5], WAKE, "--frames", "1-3", "--method", "streaks", "--refine", 4, "--substeps", 2,
                      "--with", "vorticity", "--source", f"low={self.low_half()}")
+
+    def test_streaks_as_lines(self):
+        """The values at a line's points are at the ranks that have their voxels, carried ones at rank 0."""
+        self.outputs("vdblic_advect", WAKE, "--frames", "1-3", "--preroll", 0, "--with", "velocity,q", "-o", "v.%04d.vdb")
+        lines = "v.%04d.vdb", "--method", "streaks", "--draw", "lines", "--spacing", 3
+        for ranks, *options in (
+                ((1, 2, 5), "--with", "vorticity,q", "--substeps", 2, "--source", f"low={self.low_half()}"),
+                ((3,), "--carry", "q", "--substeps", 2, "--emit-box", 0, -0.05, 0, 0.1, 0, 0.05)):
+            self.compare(ranks, *lines, *options)
 
     def test_looking_back(self):
         """Refined, so that the domain is cut, with substeps and a run that goes on with other ranks."""
@@ -85,13 +95,15 @@ class Ranks(ToolTest):
             self.assert_same(method)
 
     def test_streaks_go_on_with_other_ranks(self):
-        arguments = (WAKE, "--method", "streaks", "--refine", 4)
-        self.one_process(*arguments, "--frames", "1-4")
-        for ranks, frames in (3, "1-2"), (5, "1-4"):
-            run = self.by_ranks(ranks, *arguments, "--frames", frames, "-o", "on.%04d.vdb", "--resume", "--keep-checkpoint")
-            self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertIn("textures are done", run.stderr)
-        self.assert_same("on")
+        for draw, *options in ("voxels", "--refine", 4), ("lines", "--with", "q"):
+            arguments = (WAKE, "--method", "streaks", "--draw", draw, *options)
+            self.one_process(*arguments, "--frames", "1-4")
+            for ranks, frames in (3, "1-2"), (5, "1-4"):
+                run = self.by_ranks(ranks, *arguments, "--frames", frames, "-o", f"{draw}.%04d.vdb", "--resume",
+                                    "--keep-checkpoint")
+                self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn("textures are done", run.stderr)
+            self.assert_same(draw)
 
     def low_half(self):
         """A mask of the lower half of space, as a file."""
