@@ -124,6 +124,7 @@ class Ranks(ToolTest):
         self.compare([3], *moving, "--frame-velocity", 0.3, 0, 0, "--frame-rotation", 20, "--frame-axis", 0, 1, 3,
                      "--method", "streaks", "--bbox-world", 0, 0, 0, 0.2, 0.1, 0.1, "--dt", 0.05)
         self.compare([2], *moving, "--frame-velocity", 0.3, 0, 0, "--carry", "velocity", "--stay")
+        self.compare([2], *moving, "--frame-velocity", 0.3, 0, 0, "--method", "streaks", "--draw", "lines", "--with", "q")
 
     def test_carried_grids(self):
         self.compare([3], WAKE, "--frames", "1-2", "--refine", "2,1,1", "--carry", "velocity", "--preroll", 0)
@@ -188,6 +189,26 @@ class Ranks(ToolTest):
         self.assertEqual(self.contents("many.0001.exr"), self.contents("one.0001.exr"))
         (self.folder / "l.0001.vdb").unlink()
         self.assert_failed(self.render(3, *arguments, "-o", "bad.%04d.exr"), 3, "l.0001.vdb", "missing")
+
+    def test_pictures_of_lines(self):
+        """At frames and between them; a picture of fewer than the ranks is cut."""
+        self.outputs("vdblic_advect", WAKE, "--frames", "1-3", "--method", "streaks", "--draw", "lines", "--spacing", 3, "--with", "q",
+                     "-o", "l.%04d.vdb")
+        for ranks, numbers, *options in (
+                (2, (1, 2, 3)),
+                (3, (1, 2, 3, 4, 5), "--substeps", 2, "--opacity-by", "q"),
+                (2, (2, 4, 6, 7), "--substeps", 4, "--frames", "2,4,6-7"),
+                (3, (6,), "--substeps", 4, "--frames", 6, "--ground", "below", "--solid", "domain", "--aov", "depth")):
+            with self.subTest(options):
+                arguments = "l.%04d.vdb", "--size", 120, 80, "--threads", 1, *options
+                self.outputs("vdblic_render", *arguments, "-o", "one.%04d.exr")
+                run = self.render(ranks, *arguments, "-o", "many.%04d.exr")
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertEqual(sorted(run.stdout.split()), [f"many.{number:04}.exr" for number in numbers])
+                for number in numbers:
+                    self.assertEqual(self.contents(f"many.{number:04}.exr"), self.contents(f"one.{number:04}.exr"))
+        (self.folder / "l.0002.vdb").write_bytes(self.contents("l.0002.vdb")[:9000])
+        self.assert_failed(self.render(3, "l.%04d.vdb", "--substeps", 2, "-o", "bad.%04d.exr"), 3, "l.0002.vdb")
 
     def test_a_frame_larger_than_the_memory_of_a_rank(self):
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 208, 208, 208, "--frames", "1-2")
