@@ -5,9 +5,12 @@
 #include "vdblic/core/errors.h"
 #include "vdblic/core/exchange.h"
 #include "vdblic/render/frames_in_flight.h"
+#include "vdblic/render/moment.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/render_sequence.h"
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
 int main(int argc, char** argv)
@@ -37,20 +40,25 @@ int main(int argc, char** argv)
             throw vdblic::ParameterError(
                 "a film or a histogram needs all frames, and no rank has them: make it with vdblic_render");
         }
-        if (!exchange.isAlone() && params.substeps > 1)
+        if (!exchange.isAlone() && params.input.pattern == "-") {
             throw vdblic::ParameterError(
-                "`substeps` need both frames around a picture: draw them with vdblic_render alone");
+                "frames on standard input cannot be shared out; give a pattern such as name.%04d.vdb");
+        }
         vdblic::RenderPlan plan;
         exchange.together([&] { plan = resolve(params); });
         if (!exchange.isFirst()) plan.outputs.transferFunction.clear();
-        if (vdblic::ranksShareFrames(plan, exchange))
+        if (exchange.isAlone() || vdblic::ranksShareFrames(plan, exchange))
             return vdblic::renderSequence(plan, tool.standardInput(), reporter, exchange);
-        vdblic::cli::shareFrames(exchange, plan.input, reporter,
-                                 [&](const vdblic::SequenceParams& input, vdblic::Reporter& to) {
-                                     vdblic::RenderPlan share = plan;
-                                     share.input = input;
-                                     vdblic::OneProcess alone;
-                                     vdblic::renderSequence(share, tool.standardInput(), to, alone);
-                                 });
+        std::vector<std::int64_t> numbers;
+        exchange.together([&] {
+            for (const vdblic::Moment& moment : momentsOf(plan))
+                numbers.push_back(moment.number);
+        });
+        vdblic::cli::shareFrames(exchange, numbers, reporter, [&](const std::string& mine, vdblic::Reporter& to) {
+            vdblic::RenderPlan share = plan;
+            (plan.substeps > 1 ? share.pictures : share.input.frames) = mine;
+            vdblic::OneProcess alone;
+            vdblic::renderSequence(share, tool.standardInput(), to, alone);
+        });
     });
 }

@@ -150,7 +150,8 @@ std::optional<TextureFile> Textures::make()
     if (*mNext == mRun->end()) return std::nullopt;
     TextureFrame& made = **mNext;
     const std::int64_t frame = made.frame.file.frame;
-    TextureFile file = makeTextureFile(*mPlan, made, textureNumber(*mFirst, frame, mPlan->substeps(), made.substep));
+    TextureFile file =
+        makeTextureFile(*mPlan, made, textureNumber(*mFirst, frame, mPlan->substeps(), made.substep), *mExchange, 0);
     if (mRun->isDone()) tellSteps(mRun->steps());
     if (mExchange->isAlone()) return file;
     for (std::size_t i = 0; i < file.computed; ++i) {

@@ -66,12 +66,22 @@ class Ranks(ToolTest):
                 ("x,y,z", (2, 3, 7), "--with", "vorticity"),
                 ("x", (5,), "--refine", 2, "--interpolation", "cubic"),
                 ("x,y,z", (3,), "--method", "streaks", "--spacing", 4),
+                ("x,z", (3,), "--method", "streaks", "--draw", "lines", "--spacing", 4, "--with", "vorticity"),
                 ("y,z", (3,), "--method", "ibfv", "--substeps", 2)):
             self.compare(ranks, "v.%04d.vdb", "--periodic", axes, *options)
 
     def test_streaks(self):
         self.compare([1, 3, 5], WAKE, "--frames", "1-3", "--method", "streaks", "--refine", 4, "--substeps", 2,
                      "--with", "vorticity", "--source", f"low={self.low_half()}")
+
+    def test_streaks_as_lines(self):
+        """The values at a line's points are at the ranks that have their voxels, carried ones at rank 0."""
+        self.outputs("vdblic_advect", WAKE, "--frames", "1-3", "--preroll", 0, "--with", "velocity,q", "-o", "v.%04d.vdb")
+        lines = "v.%04d.vdb", "--method", "streaks", "--draw", "lines", "--spacing", 3
+        for ranks, *options in (
+                ((1, 2, 5), "--with", "vorticity,q", "--substeps", 2, "--source", f"low={self.low_half()}"),
+                ((3,), "--carry", "q", "--substeps", 2, "--emit-box", 0, -0.05, 0, 0.1, 0, 0.05)):
+            self.compare(ranks, *lines, *options)
 
     def test_looking_back(self):
         """Refined, so that the domain is cut, with substeps and a run that goes on with other ranks."""
@@ -85,13 +95,15 @@ class Ranks(ToolTest):
             self.assert_same(method)
 
     def test_streaks_go_on_with_other_ranks(self):
-        arguments = (WAKE, "--method", "streaks", "--refine", 4)
-        self.one_process(*arguments, "--frames", "1-4")
-        for ranks, frames in (3, "1-2"), (5, "1-4"):
-            run = self.by_ranks(ranks, *arguments, "--frames", frames, "-o", "on.%04d.vdb", "--resume", "--keep-checkpoint")
-            self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertIn("textures are done", run.stderr)
-        self.assert_same("on")
+        for draw, *options in ("voxels", "--refine", 4), ("lines", "--with", "q"):
+            arguments = (WAKE, "--method", "streaks", "--draw", draw, *options)
+            self.one_process(*arguments, "--frames", "1-4")
+            for ranks, frames in (3, "1-2"), (5, "1-4"):
+                run = self.by_ranks(ranks, *arguments, "--frames", frames, "-o", f"{draw}.%04d.vdb", "--resume",
+                                    "--keep-checkpoint")
+                self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn("textures are done", run.stderr)
+            self.assert_same(draw)
 
     def low_half(self):
         """A mask of the lower half of space, as a file."""
@@ -112,6 +124,7 @@ class Ranks(ToolTest):
         self.compare([3], *moving, "--frame-velocity", 0.3, 0, 0, "--frame-rotation", 20, "--frame-axis", 0, 1, 3,
                      "--method", "streaks", "--bbox-world", 0, 0, 0, 0.2, 0.1, 0.1, "--dt", 0.05)
         self.compare([2], *moving, "--frame-velocity", 0.3, 0, 0, "--carry", "velocity", "--stay")
+        self.compare([2], *moving, "--frame-velocity", 0.3, 0, 0, "--method", "streaks", "--draw", "lines", "--with", "q")
 
     def test_carried_grids(self):
         self.compare([3], WAKE, "--frames", "1-2", "--refine", "2,1,1", "--carry", "velocity", "--preroll", 0)
@@ -176,6 +189,26 @@ class Ranks(ToolTest):
         self.assertEqual(self.contents("many.0001.exr"), self.contents("one.0001.exr"))
         (self.folder / "l.0001.vdb").unlink()
         self.assert_failed(self.render(3, *arguments, "-o", "bad.%04d.exr"), 3, "l.0001.vdb", "missing")
+
+    def test_pictures_of_lines(self):
+        """At frames and between them; a picture of fewer than the ranks is cut."""
+        self.outputs("vdblic_advect", WAKE, "--frames", "1-3", "--method", "streaks", "--draw", "lines", "--spacing", 3, "--with", "q",
+                     "-o", "l.%04d.vdb")
+        for ranks, numbers, *options in (
+                (2, (1, 2, 3)),
+                (3, (1, 2, 3, 4, 5), "--substeps", 2, "--opacity-by", "q"),
+                (2, (2, 4, 6, 7), "--substeps", 4, "--frames", "2,4,6-7"),
+                (3, (6,), "--substeps", 4, "--frames", 6, "--ground", "below", "--solid", "domain", "--aov", "depth")):
+            with self.subTest(options):
+                arguments = "l.%04d.vdb", "--size", 120, 80, "--threads", 1, *options
+                self.outputs("vdblic_render", *arguments, "-o", "one.%04d.exr")
+                run = self.render(ranks, *arguments, "-o", "many.%04d.exr")
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertEqual(sorted(run.stdout.split()), [f"many.{number:04}.exr" for number in numbers])
+                for number in numbers:
+                    self.assertEqual(self.contents(f"many.{number:04}.exr"), self.contents(f"one.{number:04}.exr"))
+        (self.folder / "l.0002.vdb").write_bytes(self.contents("l.0002.vdb")[:9000])
+        self.assert_failed(self.render(3, "l.%04d.vdb", "--substeps", 2, "-o", "bad.%04d.exr"), 3, "l.0002.vdb")
 
     def test_a_frame_larger_than_the_memory_of_a_rank(self):
         self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 208, 208, 208, "--frames", "1-2")

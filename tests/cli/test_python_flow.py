@@ -117,6 +117,8 @@ with vdblic.Flow(voxel_size=0.1, comm=comm, origin=(first, 0, 0), resume=resume,
     textures += flow.close()
 if comm.rank == 0:
     pickle.dump([(t.metadata, [vars(grid) for grid in t.grids]) for t in textures], open("made", "wb"))
+    for number, texture in enumerate(textures):
+        vdblic.write(f"made.{number}.vdb", texture)
 else:
     assert textures == []
 """
@@ -154,6 +156,16 @@ class Ranks(FlowTest):
             expected = pushed(alone, frames) + alone.close()
             with self.subTest(options):
                 self.assert_same(self.by_ranks(ranks, frames, options), expected)
+
+    def test_lines_are_those_of_one_process(self):
+        frames, options = fields(3, (37, 20, 16)), {"method": "streaks", "draw": "lines", "spacing": 3, "with_": ["q"]}
+        alone = vdblic.Flow(voxel_size=0.1, **options)
+        expected = pushed(alone, frames) + alone.close()
+        self.by_ranks(3, frames, options)
+        self.assertEqual(len(expected), 3)
+        for number, volume in enumerate(expected):
+            self.assertGreater(len(volume.lines), 20)
+            self.assertEqual(vdblic.diff(f"{self.folder}/made.{number}.vdb", volume)["verdict"], "same")
 
     def test_checkpoints_go_on_with_other_ranks(self):
         frames, options = fields(5, (37, 20, 16)), {"refine": 2}

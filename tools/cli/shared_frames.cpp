@@ -1,8 +1,5 @@
 #include "cli/shared_frames.h"
 
-#include "vdblic/core/errors.h"
-#include "vdblic/io/frame_list.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -50,30 +47,24 @@ class KeptReports : public Reporter {
 };
 
 /// A rank's share of the frames: every n-th.
-SequenceParams shareOf(const SequenceParams& input, const Exchange& exchange)
+std::string shareOf(const std::vector<std::int64_t>& frames, const Exchange& exchange)
 {
-    if (input.pattern == "-")
-        throw ParameterError("frames on standard input cannot be shared out; give a pattern such as name.%04d.vdb");
-    const std::vector<std::int64_t> frames = selectedFrames(input);
     std::vector<std::int64_t> mine;
     for (auto i = std::size_t(exchange.rank()); i < frames.size(); i += std::size_t(exchange.size()))
         mine.push_back(frames[i]);
-    SequenceParams share = input;
-    share.frames = fmt::format("{}", fmt::join(mine, ","));
-    return share;
+    return fmt::format("{}", fmt::join(mine, ","));
 }
 
 } // namespace
 
-void shareFrames(Exchange& exchange, const SequenceParams& input, Reporter& reporter,
-                 const std::function<void(const SequenceParams& input, Reporter& reporter)>& job)
+void shareFrames(Exchange& exchange, const std::vector<std::int64_t>& frames, Reporter& reporter,
+                 const std::function<void(const std::string& mine, Reporter& reporter)>& job)
 {
-    if (exchange.isAlone()) return job(input, reporter);
     KeptReports kept(reporter);
     std::exception_ptr error;
     try {
-        const SequenceParams share = shareOf(input, exchange);
-        if (!share.frames.empty()) job(share, exchange.isFirst() ? reporter : kept);
+        const std::string mine = shareOf(frames, exchange);
+        if (!mine.empty()) job(mine, exchange.isFirst() ? reporter : kept);
     } catch (...) {
         error = std::current_exception();
     }

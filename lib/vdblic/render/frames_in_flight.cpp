@@ -9,6 +9,7 @@
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
 #include "vdblic/io/vdb_header.h"
+#include "vdblic/render/moment.h"
 #include "vdblic/render/render_plan.h"
 #include "vdblic/render/view.h"
 
@@ -18,6 +19,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,11 +27,11 @@ namespace vdblic {
 namespace {
 
 /// Collective. @throws InputError if a rank sees other frames than rank 0
-void checkSameFrames(const std::vector<FrameFile>& files, Exchange& exchange)
+void checkSameFrames(const std::vector<Moment>& moments, Exchange& exchange)
 {
     std::vector<std::int64_t> own, differing;
-    for (const FrameFile& file : files)
-        own.push_back(file.frame);
+    for (const Moment& moment : moments)
+        own.push_back(moment.number);
     const std::vector<std::int64_t> first = exchange.join(exchange.isFirst() ? own : std::vector<std::int64_t>{});
     std::set_symmetric_difference(own.begin(), own.end(), first.begin(), first.end(), std::back_inserter(differing));
     if (differing.empty()) return;
@@ -74,13 +76,15 @@ bool ranksShareFrames(const RenderPlan& plan, Exchange& exchange)
 {
     bool share = false;
     exchange.together([&] {
-        if (exchange.isAlone() || plan.input.pattern == "-") return;
-        const std::vector<FrameFile> files = selectFrames(plan.input);
-        checkSameFrames(files, exchange);
+        if (exchange.isAlone()) return;
+        const std::vector<Moment> moments = momentsOf(plan);
+        checkSameFrames(moments, exchange);
         double most = 0;
-        for (const FrameFile& file : files)
-            most = std::max(most, frameBytes(plan.picture, file));
-        share = exchange.any(files.size() < std::size_t(exchange.size()) || most > double(memoryLimit()) / 2);
+        std::set<std::int64_t> frames;
+        for (const Moment& moment : moments) {
+            if (frames.insert(moment.file.frame).second) most = std::max(most, frameBytes(plan.picture, moment.file));
+        }
+        share = exchange.any(moments.size() < std::size_t(exchange.size()) || most > double(memoryLimit()) / 2);
     });
     return share;
 }

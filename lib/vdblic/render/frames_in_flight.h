@@ -22,8 +22,8 @@ struct RenderPlan;
 /// The same for a given number of threads and of free bytes.
 [[nodiscard]] std::size_t framesInFlight(double frameBytes, std::size_t threads, double freeBytes);
 
-/// Whether ranks are to share each frame: if there are fewer frames than ranks, or if one needs more than half of a
-/// rank's memory. Else each rank renders frames of its own. Collective. @throws as selectFrames()
+/// Whether ranks are to share each picture: if there are fewer pictures than ranks, or if a frame needs more than
+/// half of a rank's memory. Else each rank makes pictures of its own. Collective. @throws as momentsOf()
 [[nodiscard]] bool ranksShareFrames(const RenderPlan& plan, Exchange& exchange);
 
 } // namespace vdblic

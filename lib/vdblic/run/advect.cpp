@@ -134,7 +134,7 @@ class Advection : private RunObserver {
         const std::int64_t number = mOutputs.number(frame.file.frame, made.substep);
         mReport.frames.push_back({number, made.domain->voxelCount(), made.stats, frame.readSeconds, made.times});
         mReporter.detail(frameLine(mReport.frames.back()));
-        TextureFile file = makeTextureFile(mPlan, made, number);
+        TextureFile file = makeTextureFile(mPlan, made, number, mExchange, mWriter.next());
         made.texture = {}; // frees each grid once its leaves are stored
         Stopwatch watch;
         std::vector<OwnLeaves> own = mRun.shared().store(frame, file, mWriter.isMineNext());

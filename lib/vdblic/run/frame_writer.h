@@ -28,8 +28,9 @@ class FrameWriter {
     FrameWriter(const FrameWriter&) = delete;
     FrameWriter& operator=(const FrameWriter&) = delete;
 
-    /// Whether this rank writes the next file.
-    [[nodiscard]] bool isMineNext() const { return int(mWaiting.size()) == mExchange.rank(); }
+    /// The rank that writes the next file.
+    [[nodiscard]] int next() const { return int(mWaiting.size()); }
+    [[nodiscard]] bool isMineNext() const { return next() == mExchange.rank(); }
 
     /// Write a file, after the previous ones are finished. Collective on the last writer's turn.
     /// @param file ignored where !isMineNext()

@@ -17,6 +17,7 @@
 #include "vdblic/lic/hits.h"
 #include "vdblic/lines/line_grid.h"
 #include "vdblic/run/advect_plan.h"
+#include "vdblic/run/line_output.h"
 #include "vdblic/run/texture_run.h"
 #include "vdblic/run/velocity_output.h"
 
@@ -27,7 +28,6 @@
 #include <array>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -68,17 +68,6 @@ openvdb::Int32Grid::Ptr hitsGrid(const openvdb::Int32Tree::Ptr& tree, const open
     grid->setName(kHitsGrid);
     grid->setTransform(transform.copy());
     return grid;
-}
-
-/// The streaks as points, with the given and the carried scalars.
-openvdb::GridBase::Ptr linesWith(std::vector<openvdb::FloatGrid::Ptr> scalars, TextureFrame& made)
-{
-    if (!made.frame.domain.velocity->isWhole())
-        throw ParameterError("`draw` lines: only a run by one process draws them; use vdblic_advect");
-    for (const openvdb::GridBase::Ptr& grid : made.frame.carried) {
-        if (const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) scalars.push_back(scalar);
-    }
-    return lineGrid(*std::exchange(made.lines, std::nullopt), made.frame.values->transform(), scalars);
 }
 
 /// Bring a step's grids from the observer's space back to their places in the world. Carried grids and the scalars
@@ -134,7 +123,8 @@ openvdb::MetaMap parameterMetadata(const AdvectPlan& plan, const Refinement& ref
 
 } // namespace
 
-TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int64_t number)
+TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int64_t number, Exchange& exchange,
+                            int writer)
 {
     const AdvectParams& params = plan.params;
     const VelocityFrame& frame = made.frame;
@@ -154,7 +144,7 @@ TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int
                    fogVolume(magnitudeOf(*frame.domain.velocity, {frame.values->tree(), toWorldPerSecond}), "magnitude",
                              frame.values->transform()));
     openvdb::GridPtrVec carried = frame.carried;
-    const openvdb::GridBase::Ptr lines = params.writesLines() ? linesWith(scalars, made) : nullptr;
+    const openvdb::GridBase::Ptr lines = params.writesLines() ? lineOutput(exchange, writer, scalars, made) : nullptr;
     if (params.format.scalars == ScalarVoxels::kTexture && !made.refinement.isNone()) {
         for (openvdb::FloatGrid::Ptr& scalar : scalars)
             scalar = resampled(*scalar, *textureGrid);
@@ -189,7 +179,7 @@ TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int
     file.onTexture = params.format.scalars == ScalarVoxels::kTexture ? file.computed : hasSecond ? 2 : 1;
     file.domain = made.domain;
     file.grids.insert(file.grids.end(), carried.begin(), carried.end());
-    if (returns) bringBack(made, params.texture.substeps, lines ? file.computed : 0, file.grids);
+    if (returns) bringBack(made, params.texture.substeps, params.writesLines() ? file.computed : 0, file.grids);
     file.metadata = parameterMetadata(plan, made.refinement);
     for (auto chosen = made.metadata.beginMeta(); chosen != made.metadata.endMeta(); ++chosen)
         file.metadata.insertMeta(chosen->first, *chosen->second);

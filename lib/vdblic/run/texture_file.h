@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vdblic/core/exchange.h"
+
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
@@ -31,8 +33,10 @@ struct TextureFile {
 /// to have the texture's voxels and are interpolated there.
 /// @param made   shares its grids with the result; its texture is moved
 /// @param number of the output
+/// @param writer rank that writes the file: it alone gets grids that are not computed. Collective for lines
 /// Computed in parallel; the result does not depend on the number of threads.
-[[nodiscard]] TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int64_t number);
+[[nodiscard]] TextureFile makeTextureFile(const AdvectPlan& plan, TextureFrame& made, std::int64_t number,
+                                          Exchange& exchange, int writer);
 
 /// The reason why a file cannot be the finished texture of a number in a run by this plan; empty if it can.
 /// Reads all of its bytes, for their checksums.

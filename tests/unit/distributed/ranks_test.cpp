@@ -4,6 +4,7 @@
 #include "vdblic/methods/ibfv/ibfv.h"
 #include "vdblic/methods/lea/lea.h"
 #include "vdblic/methods/lic/lic.h"
+#include "vdblic/methods/streaks/streaks.h"
 #include "vdblic/methods/ufac/ufac.h"
 #include "vdblic/run/advect.h"
 
@@ -77,6 +78,14 @@ void useWithoutHits(const TextureMethod* method, AdvectParams& params)
 {
     params.texture.method = method;
     params.derived = {"vorticity"};
+}
+
+void drawLines(AdvectParams& params)
+{
+    useWithoutHits(&kStreaks, params);
+    params.derived = {"vorticity", "q"};
+    params.streaks.draw = StreakForm::kLines;
+    params.streaks.spacing = {3, 3, 3};
 }
 
 std::string bytesOf(const std::filesystem::path& path)
@@ -191,6 +200,7 @@ TEST(Ranks, WriteTheBytesOfOneProcessForDomainsOfAnyShape)
         const TemporaryFolder folder;
         writeSequence(folder, {Coord(-24, -22, -22), Coord(48, 22, 22)}, flow);
         expectSameFiles(folder, {2, 4}, kAsItIs);
+        expectSameFiles(folder, {2, 4}, drawLines);
     }
 }
 
@@ -245,6 +255,7 @@ TEST(Ranks, CutADomainAnewThatMovesAway)
         params.flow.domain.refinement.factors = {2, 1, 1};
     });
     expectSameFiles(folder, {3}, [](AdvectParams& params) { useWithoutHits(&kLic, params); });
+    expectSameFiles(folder, {3}, drawLines);
 
     AdvectParams params = paramsIn(folder, "told");
     params.keepCheckpoint = true;

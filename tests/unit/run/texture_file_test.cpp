@@ -50,6 +50,13 @@ std::vector<std::string> namesOf(const TextureFile& file)
     return names;
 }
 
+/// Made by a process alone.
+TextureFile textureFile(const AdvectPlan& plan, TextureFrame& made, std::int64_t number)
+{
+    OneProcess alone;
+    return makeTextureFile(plan, made, number, alone, 0);
+}
+
 TEST(TextureFile, HoldsEachGridOnItsTransform)
 {
     TextureFrame made = turningTexture();
@@ -65,7 +72,7 @@ TEST(TextureFile, HoldsEachGridOnItsTransform)
     const auto texture = made.texture.tree();
     const openvdb::math::Transform::Ptr finer = made.frame.textureTransform();
 
-    const TextureFile file = makeTextureFile(resolve(params), made, 5);
+    const TextureFile file = textureFile(resolve(params), made, 5);
     EXPECT_EQ(namesOf(file), (std::vector<std::string>{"texture", "hits", "magnitude", "vorticity", "q", "smoke"}));
     EXPECT_EQ(file.grids[0]->transform(), *finer);
     EXPECT_EQ(openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[0])->treePtr(), texture);
@@ -81,7 +88,7 @@ TEST(TextureFile, HoldsEachGridOnItsTransform)
 TEST(TextureFile, MagnitudeIsInWorldUnitsPerSecond)
 {
     TextureFrame made = turningTexture();
-    const TextureFile file = makeTextureFile(resolve({}), made, 1);
+    const TextureFile file = textureFile(resolve({}), made, 1);
     const auto magnitude = openvdb::gridConstPtrCast<openvdb::FloatGrid>(file.grids[1]);
     EXPECT_EQ(magnitude->activeVoxelCount(), made.frame.domain.velocity->voxelCount());
     for (auto voxel = magnitude->cbeginValueOn(); voxel; ++voxel) {
@@ -96,7 +103,7 @@ TEST(TextureFile, TellsItsTimeAndParameters)
     AdvectParams params;
     params.texture.lifeSpan = 6;
     params.texture.substeps = 4;
-    openvdb::MetaMap metadata = makeTextureFile(resolve(params), made, 5).metadata;
+    openvdb::MetaMap metadata = textureFile(resolve(params), made, 5).metadata;
     EXPECT_EQ(metadata.metaValue<std::int64_t>("frame"), 5);
     EXPECT_EQ(metadata.metaValue<double>("source_frame"), 3.75);
     EXPECT_EQ(metadata.metaValue<double>("time"), 1.5);
@@ -106,7 +113,7 @@ TEST(TextureFile, TellsItsTimeAndParameters)
     EXPECT_EQ(metadata.metaValue<std::int32_t>("preroll"), 6);
     params.texture.method = &kLic;
     made = turningTexture();
-    metadata = makeTextureFile(resolve(params), made, 5).metadata;
+    metadata = textureFile(resolve(params), made, 5).metadata;
     EXPECT_EQ(metadata.metaValue<std::string>("method"), "lic");
     EXPECT_FALSE(metadata["sharpen"]); // steady LIC has no feedback
 }

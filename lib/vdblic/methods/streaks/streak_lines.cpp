@@ -182,7 +182,10 @@ class TailSampler {
 
     [[nodiscard]] bool isInDomain(const openvdb::Vec3f& position) const
     {
-        return covers(mDomain, Float4{position[0], position[1], position[2], 0});
+        const Float4 at{position[0], position[1], position[2], 0};
+        if (mDomain.isWhole()) return covers(mDomain, at);
+        const Int4 voxel = voxelOf(at); // in any rank's leaf
+        return mDomain.topology().isValueOn(mDomain.period().wrapped({voxel[0], voxel[1], voxel[2]}));
     }
 
     /// The last point inside on the straight line between two samples, one of them outside.
