@@ -66,7 +66,7 @@ class DividedRays {
         {
             const Divided& ray = *std::ranges::lower_bound(mDivided, pixel, {}, &Divided::pixel);
             if (ray.next < ray.last) return mColors[ray.next];
-            return mRays.mSurfaces ? mRays.mSurfaces->colors[pixel] : glm::vec4(0);
+            return mRays.surfaceColor(pixel);
         }
         /// Blend the tubes at the ends of the parts into the image, and go on with the next parts.
         void next(Image& image)
@@ -124,9 +124,11 @@ class DividedRays {
                 const std::size_t pixel = row + std::size_t(x);
                 if (mRays.mOnly && !mRays.mOnly[pixel]) continue;
                 const std::size_t first = mSeen.size();
+                const glm::vec3 gap = seenThrough(mRays.surfaceColor(pixel), background);
                 for (const SeenTube& tube : seen[x - begin]) {
                     const glm::vec3 own = tube.color * mRays.mBrightness;
-                    mColors.push_back(glm::vec4(glm::mix(own, background, tube.far), 1) * tube.alpha);
+                    const glm::vec3 color = glm::mix(glm::mix(own, background, tube.far), gap, tube.gap);
+                    mColors.push_back(glm::vec4(color, 1) * tube.alpha);
                     mSeen.push_back(tube);
                 }
                 mDivided.push_back({pixel, first, mSeen.size()});
@@ -159,6 +161,11 @@ class DividedRays {
     [[nodiscard]] double surfaceDepth(std::size_t pixel) const
     {
         return mSurfaces ? double(mSurfaces->depths[pixel]) : std::numeric_limits<double>::infinity();
+    }
+
+    [[nodiscard]] glm::vec4 surfaceColor(std::size_t pixel) const
+    {
+        return mSurfaces ? mSurfaces->colors[pixel] : glm::vec4(0);
     }
 
     TubeCaster mTubes;

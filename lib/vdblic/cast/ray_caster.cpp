@@ -60,7 +60,7 @@ glm::vec4 pixelOf(const RaySum& sum, const glm::vec4& surface, const glm::vec3& 
     // Samples too faint to be shaded get the colour of the others.
     const float part = shadedAlpha(sum), whole = part > 0 ? (sum.alpha - sum.halo) / part : 0;
     const glm::vec3 color = glm::vec3(sum.color[0], sum.color[1], sum.color[2]) * whole;
-    const glm::vec3 gaps = (glm::vec3(surface) + behind * (1 - surface.a)) * sum.halo;
+    const glm::vec3 gaps = seenThrough(surface, behind) * sum.halo;
     return {color + behind * (sum.color[3] * whole) + gaps, sum.alpha};
 }
 

@@ -282,8 +282,7 @@ void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& res
         square += gradient * gradient;
         along += gradient * view[axis];
     }
-    const Float8 aside = square > 0 ? 1 - along * along / square : Float8{};
-    result = aside * aside;
+    result = square > 0 ? Halo::edge(along * along / square) : Float8{};
 }
 
 /// Composite the steps between the given lanes' samples and the ones before, and queue the visible samples.

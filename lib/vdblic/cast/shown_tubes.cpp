@@ -5,7 +5,7 @@
 namespace vdblic {
 
 ShownTubes::ShownTubes(const Tubes& tubes, const Look& look)
-    : mTubes(tubes), mTransfer(look.transfer), mTexture(look.texture)
+    : mTubes(tubes), mTransfer(look.transfer), mTexture(look.texture), mHalo(look.halo)
 {
     for (std::uint32_t number = 0; number < tubes.cones().size(); ++number) {
         const std::uint32_t first = tubes.cones()[number].first;

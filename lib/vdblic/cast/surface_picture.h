@@ -41,6 +41,12 @@ struct Surface {
     glm::vec3 normal{0};                                  ///< world space, of length 1
 };
 
+/// What a gap shows. @param surface premultiplied by alpha
+[[nodiscard]] inline glm::vec3 seenThrough(const glm::vec4& surface, const glm::vec3& background)
+{
+    return glm::vec3(surface) + background * (1 - surface.a);
+}
+
 /// Finds the solid or the ground that rays meet first, and lights them by the look's lights. A copy may be used by one
 /// thread at a time.
 class SurfaceCaster {

@@ -8,6 +8,7 @@
 #include "vdblic/cast/lighting.h"
 #include "vdblic/cast/pixel_rays.h"
 #include "vdblic/cast/ray_cast_params.h"
+#include "vdblic/cast/round_cones.h"
 #include "vdblic/cast/tube_tree.h"
 #include "vdblic/core/reporter.h"
 #include "vdblic/look/look.h"
@@ -49,20 +50,22 @@ struct DepthSpan {
 struct TubeSums {
     Float8 left = broadcast8(1); ///< transmittance
     Vector8 color{};
-    Float8 far{}; ///< weight of the background that is seen in tubes
+    Float8 gaps{}; ///< weight of halos
+    Float8 far{};  ///< weight of the background that is seen in tubes
     Float8 depth{}, driver{}, texture{};
     Vector8 normal{};
     Int8 count{};
 
     VDBLIC_INLINE void add(const SeenTubes& tubes, bool hasLayers)
     {
-        const Float8 weight = left * tubes.alpha;
+        const Float8 all = left * tubes.alpha, weight = all - all * tubes.gap;
         color = color + tubes.color * ((1 - tubes.far) * weight);
         far += tubes.far * weight;
-        left -= weight;
+        gaps += all - weight;
+        left -= all;
         if (!hasLayers) return;
         count -= tubes.isSeen; // true is −1
-        depth += tubes.depth * weight;
+        depth += tubes.depth * all;
         driver += tubes.driver * weight;
         texture += tubes.texture * weight;
         normal = normal + tubes.normal * weight;
@@ -73,9 +76,10 @@ struct TubeSums {
         layers.samples = float(count[lane]);
         const float alpha = 1 - left[lane];
         if (!(alpha > 0)) return layers;
+        const float shown = alpha - gaps[lane];
         layers.depth = depth[lane] / alpha;
-        layers.driver = driver[lane] / alpha;
-        layers.texture = texture[lane] / alpha;
+        layers.driver = driver[lane] / shown;
+        layers.texture = texture[lane] / shown;
         const glm::vec3 sum(normal.x[lane], normal.y[lane], normal.z[lane]);
         if (const float length = glm::length(sum); length > 0) layers.normal = sum / length;
         return layers;
@@ -152,6 +156,7 @@ VDBLIC_INLINE SeenTubes TubeCaster::light(const Packet& packet, const TubeTree::
         const Float8 view[] = {packet.direction.x, packet.direction.y, packet.direction.z};
         light = mLighting.surface(normal, view);
     }
+    const Float8 halo = mTree.halo(dot(hits.normal, packet.lines.direction));
     const Float8 depth = packet.begin + packet.depthPerUnit * hits.distance;
     if (mLight) {
         const Float8 arriving = arrivingLight(packet, hits);
@@ -164,6 +169,7 @@ VDBLIC_INLINE SeenTubes TubeCaster::light(const Packet& packet, const TubeTree::
     transpose(shown, channels);
     return {.isSeen = hits.isThere,
             .alpha = hits.alpha,
+            .gap = halo / (1 + halo),
             .color = {channels[0] * light.lit + light.white, channels[1] * light.lit + light.white,
                       channels[2] * light.lit + light.white},
             .far = mCue.share(depth),
@@ -215,7 +221,8 @@ Image castTubes(const TubeTree& tree, const Look& look, const Camera& camera, co
                 const std::size_t pixel = pixels[lane];
                 const glm::vec3 background = backgrounds[pixel / std::size_t(size.x)];
                 const glm::vec3 color(sums.color.x[lane], sums.color.y[lane], sums.color.z[lane]);
-                image.pixels[pixel] = glm::vec4(color + background * sums.far[lane], 1 - sums.left[lane]);
+                const glm::vec3 gaps = seenThrough(behind[lane].color, background) * sums.gaps[lane];
+                image.pixels[pixel] = glm::vec4(color + background * sums.far[lane] + gaps, 1 - sums.left[lane]);
                 if (params.layers) image.layers[pixel] = sums.layers(lane);
                 addBehind(behind[lane], image.pixels[pixel], params.layers ? &image.layers[pixel] : nullptr);
             }

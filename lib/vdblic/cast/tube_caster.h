@@ -26,8 +26,9 @@ struct RayCastParams;
 /// A tube where a ray enters it.
 struct SeenTube {
     float alpha;
-    glm::vec3 color; ///< linear light, lit
-    float far;       ///< share of the background in it
+    float gap;       ///< share of its halo in alpha, which shows what is behind all tubes
+    glm::vec3 color; ///< linear light, lit; of the rest
+    float far;       ///< share of the background in the colour
     float depth;     ///< along the view axis from the eye's plane [world]
     float driver, texture;
     glm::vec3 normal; ///< world space, of length 1
@@ -36,7 +37,7 @@ struct SeenTube {
 /// Tubes where rays enter them, one a lane.
 struct SeenTubes {
     Int8 isSeen;
-    Float8 alpha;
+    Float8 alpha, gap;
     Vector8 color;
     Float8 far, depth, driver, texture;
     Vector8 normal;
@@ -44,6 +45,7 @@ struct SeenTubes {
     [[nodiscard]] SeenTube lane(int i) const
     {
         return {.alpha = alpha[i],
+                .gap = gap[i],
                 .color = {color.x[i], color.y[i], color.z[i]},
                 .far = far[i],
                 .depth = depth[i],

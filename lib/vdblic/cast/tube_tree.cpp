@@ -144,7 +144,8 @@ VDBLIC_KERNEL void intersect(const RTCIntersectFunctionNArguments* arguments)
     const Tubes::Cone& cone = tubes.cones()[number];
     if (cone.hasPrevious) mask &= entries.share != 0; // the first sphere is the previous cone's
     hits.alpha = tree.alpha(Tubes::valuesAt(tubes.drivers(), cone.first, entries.share),
-                            Tubes::valuesAt(tubes.opacities(), cone.first, entries.share));
+                            Tubes::valuesAt(tubes.opacities(), cone.first, entries.share),
+                            tree.halo(dot(entries.normal, rays.direction)));
     mask &= (hits.alpha > 0) & ~areInner(cone, tubes.points(number), meeting.near + rays.direction * entries.distance);
     if (!anyOf(mask)) return;
     keep(mask, hits, query);

@@ -43,7 +43,7 @@ class TubeTree : public ShownTubes {
         Float8 distance;
         Int8 cone;
         Float8 share;   ///< position between the cone's first point, 0, and its second, 1
-        Float8 alpha;   ///< of the tube; 0 where there is no hit
+        Float8 alpha;   ///< of the tube and its halo; 0 where there is no hit
         Vector8 normal; ///< outward, of length 1
     };
     static constexpr int kMostHits = 16;

@@ -64,7 +64,8 @@ struct TextureModulation {
 };
 
 /// Visibility-impeding halos (Interrante & Grosch 1998): the flanks of a streak hide the volume behind them, so that a
-/// streak in front stands apart. Only flanks seen edge-on count (Ebert & Rheingans 2000): no streak hides itself.
+/// streak in front stands apart. Only flanks seen edge-on count (Ebert & Rheingans 2000): no streak hides itself. A
+/// tube has them in its outline.
 struct Halo {
     float strength = 0; ///< ratio of a flank's extinction to its streak's; 0: none
 
@@ -76,6 +77,9 @@ struct Halo {
         const Float8 t = below > 0 ? below : Float8{};
         return strength * t * t * (3 - 2 * t) * (1 - texture.density(stretched));
     }
+    /// Factor on the extinction of a flank: 0 where it faces the eye, 1 where it is seen edge-on.
+    /// @param facing squared cosine of the angle between its normal and the ray
+    [[nodiscard]] VDBLIC_INLINE static Float8 edge(Float8 facing) { return (1 - facing) * (1 - facing); }
 };
 
 inline constexpr double kMostChosenOpacity = 0.95; ///< of a voxel, where chosen automatically

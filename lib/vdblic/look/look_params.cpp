@@ -21,8 +21,8 @@ Parameters parametersOf(LookParams& params)
                   params.limbDarkening, {.limits = {0, 1}}),
     };
     const Parameters light = {
-        parameter("halo", "Strength of the gaps that streaks of voxels cut into what is behind them; 0: none.",
-                  params.halo, {.limits = {0, 1e9}}),
+        parameter("halo", "Strength of the gaps that streaks cut into what is behind them; 0: none.", params.halo,
+                  {.limits = {0, 1e9}}),
         parameter("shadows", "How dark it is where the volume lets no light through.", params.shadows,
                   {.limits = {0, 1}}),
         parameter("occlusion", "How much darker than the rest it is where the volume is close all around.",

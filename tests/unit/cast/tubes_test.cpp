@@ -332,6 +332,32 @@ TEST(Tubes, APictureShowsColourAlphaDepthAndNormal)
     EXPECT_EQ(castTubes(tree, plain(0.5), camera, params).pixels[middle].a, 0);
 }
 
+TEST(Tubes, TheOutlineOfATubeShowsWhatIsBehindAllTubes)
+{
+    Lines lines;
+    add(lines, {{-20, 0, 0, 2}, {20, 0, 0, 2}});
+    add(lines, {{-20, 0, -50, 30}, {20, 0, -50, 30}}); // behind, and seen from its front
+    const Tubes tubes = tubesOf(lines);
+    Look look = plain(0.5);
+    look.halo.strength = 4;
+    look.background.color = {0, 0, 1};
+    const Camera camera({.projection = Projection::kOrthographic,
+                         .eye = glm::dvec3(0, 0, 100),
+                         .target = glm::dvec3(0),
+                         .viewHeight = 10.5}, // two pixels a unit
+                        tubes.corners(), {21, 21});
+    const Image image = castTubes(TubeTree(tubes, look), look, camera, {});
+    for (const int aside : {0, 1, 2, 3}) {
+        const double halo = 4 * std::pow(0.5 * aside / 2, 4), behind = 4 * std::pow(0.5 * aside / 30, 4);
+        const double alpha = 1 - std::pow(0.5, 1 + halo), left = 1 - alpha;
+        const double alphaBehind = 1 - std::pow(0.5, 1 + behind);
+        const glm::vec4& pixel = image.pixels[std::size_t(10 + aside) * 21 + 10];
+        EXPECT_NEAR(pixel.a, alpha + left * alphaBehind, 1e-4);
+        EXPECT_NEAR(pixel.b, pixel.a, 1e-4); // of white tubes and of the background
+        EXPECT_NEAR(pixel.r, alpha / (1 + halo) + left * alphaBehind / (1 + behind), 1e-4);
+    }
+}
+
 TEST(Tubes, AStretchedPictureHasTubesAsRoundAsBefore)
 {
     Lines lines;
