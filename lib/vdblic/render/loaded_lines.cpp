@@ -124,16 +124,15 @@ LoadedTexture loadLines(const PicturePlan& plan, const VdbFile& file, const Line
         .flowVoxels = file.find<openvdb::FloatGrid>(kSpeedGrid)};
 }
 
-InputError linesInLines(const std::filesystem::path& path)
+std::string linesInLines(const std::filesystem::path& path)
 {
-    return InputError(fmt::format("{}: holds lines itself; `lines` are drawn in a texture of voxels", path.string()));
+    return fmt::format("{}: holds lines itself; `lines` are drawn in a texture of voxels", path.string());
 }
 
-InputError noLines(const std::filesystem::path& path)
+std::string noLines(const std::filesystem::path& path)
 {
-    return InputError(fmt::format("{}: holds no lines for `lines`; make them with vdblic_advect --method streaks "
-                                  "--draw lines",
-                                  path.string()));
+    return fmt::format("{}: holds no lines for `lines`; make them with vdblic_advect --method streaks --draw lines",
+                       path.string());
 }
 
 /// The file of the lines in a frame's voxels. @throws InputError if it is missing
@@ -165,9 +164,9 @@ bool hasLines(const std::filesystem::path& path, const std::string& name)
 void checkLines(const PicturePlan& plan, const FrameFile& frame)
 {
     if (plan.lines.empty()) return;
-    if (hasLines(frame.path, plan.texture)) throw linesInLines(frame.path);
+    if (hasLines(frame.path, plan.texture)) throw InputError(linesInLines(frame.path));
     const FrameFile lines = foundLines(plan, frame.frame);
-    if (!hasLines(lines.path, "")) throw noLines(lines.path);
+    if (!hasLines(lines.path, "")) throw InputError(noLines(lines.path));
 }
 
 std::optional<LoadedTexture> linesIn(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame,
@@ -175,7 +174,7 @@ std::optional<LoadedTexture> linesIn(const PicturePlan& plan, const VdbFile& fil
 {
     const LineGrid::Ptr grid = gridIn(plan, file);
     if (!grid) return std::nullopt;
-    if (!plan.lines.empty()) throw linesInLines(frame.path);
+    if (!plan.lines.empty()) throw InputError(linesInLines(frame.path));
     return named(frame.path,
                  [&] { return loadLines(plan, file, linesOf(*grid), grid->transform(), frame, chosenOpacity); });
 }
@@ -185,7 +184,7 @@ std::shared_ptr<const LoadedTexture> linesBeside(const PicturePlan& plan, const 
     const FrameFile file = foundLines(plan, frame.frame);
     auto lines =
         linesIn(planOfLines(plan), readVdb(file.path), file, view && view->lines ? view->lines->opacityBy : "");
-    if (!lines) throw noLines(file.path);
+    if (!lines) throw InputError(noLines(file.path));
     return std::make_shared<const LoadedTexture>(std::move(*lines));
 }
 
