@@ -1,8 +1,8 @@
 #include "cli/option_names.h"
 #include "cli/tool.h"
 #include "vdblic/core/errors.h"
-#include "vdblic/core/memory.h"
 #include "vdblic/core/printable.h"
+#include "vdblic/film/film_cost.h"
 #include "vdblic/film/film_plan.h"
 #include "vdblic/io/atomic_file.h"
 #include "vdblic/io/frame_pattern.h"
@@ -12,7 +12,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -32,9 +31,7 @@ std::vector<std::string> commandsFor(const SequenceInfo& info, const SequencePar
     try {
         FilmParams params{.input = input, .output = "flow.mp4"};
         const FilmPlan plan = planFilm(params, info);
-        lines.push_back(fmt::format("  the film takes about {} of memory and {:.0f} s of processor time",
-                                    memoryText(std::max(plan.textureBytes, plan.pictureBytes)),
-                                    std::max(plan.seconds, 1.0)));
+        lines.push_back("  the film takes about " + costText(plan));
         for (const std::string& command : commandsOf(plan, ""))
             lines.push_back("  the film step by step: " + command);
     } catch (const InputError&) { // the advice names the error

@@ -44,7 +44,7 @@ bool isLoopback(const std::string& host)
 int main(int argc, char** argv)
 {
     vdblic::SequenceParams input;
-    vdblic::RenderParams params;
+    vdblic::PictureParams params;
     std::string host = "127.0.0.1";
     int port = 0;
     bool open = false;
@@ -62,7 +62,7 @@ int main(int argc, char** argv)
         vdblic::joined(
             {parametersOf(input, "TEXTURE",
                           "Texture volumes: one file or a pattern (name.%04d.vdb, also ####, @@@@, $F4, <F4>)."),
-             vdblic::view::picturesOf(params)}),
+             parametersOf(params)}),
         vdblic::cli::pictureGroups({{"Lines", {"lines"}}}));
     constexpr double kInFiles = 8; // bricks and light of a texture
     tool.usesScratch(kInFiles);

@@ -39,9 +39,9 @@ Image Renderer::of(const VdbFile& volume, std::int64_t frame)
             return {size, pixelsOver({size, std::vector<glm::vec4>(std::size_t(size.x) * size.y)}, plan.background)};
         mView = chooseView(plan, {&loaded, 1}, loaded->box().corners(), {}, mAlone);
     }
-    Picture picture(
-        plan, *mView,
-        std::make_shared<const ShownVolume>(plan, mView->look, loaded, mView->solids->of(plan, *loaded), mAlone));
+    Picture picture(plan, *mView,
+                    std::make_shared<const ShownVolume>(plan, mView->look, loaded, mView->solids->of(plan, *loaded),
+                                                        mAlone, mView->lines ? &mView->lines->look : nullptr));
     for (int sample = 0; sample < plan.samples; ++sample)
         picture.addSample();
     Image image = picture.image();

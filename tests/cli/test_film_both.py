@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import unittest
 
@@ -52,6 +53,9 @@ class FilmOfBoth(ToolTest):
 
     def test_choices(self):
         """Each run has the options of the film with its method alone, and substeps; lines show the vortex, the texture what is around."""
+        for option in "--periodic z", "--frame-velocity 0 0.1 0":
+            for command in self.film("flow.png", *option.split())[:2]:
+                self.assertIn(f" {option}", command)
         options = "--seconds", 0.3, "--periodic", "z"
         texture, lines, pictures = self.film("flow.mp4", *options)
         dense = self.film("flow.mp4", *options, method="dense")
@@ -71,6 +75,23 @@ class FilmOfBoth(ToolTest):
         texture, _, pictures = self.film("flow.png", "--look", "vortex")  # asks for the vortex in both
         self.assertIn(" --with q", texture)
         self.assertIn("--opacity-by q", pictures)
+
+    def estimate(self, method):
+        """The memory [MiB] and the processor time [s] that the tool tells before a large film, which is not made."""
+        process = subprocess.Popen([BIN / "vdblic_film", "v.%d.vdb", "-o", "flow.mp4", "--size", "640", "480", "--seconds", "20",
+                                    "--method", method, "-v"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        with process:
+            found = next(filter(None, (re.search(r"film takes about (\S+) MiB of memory and (\d+) s", line) for line in process.stderr)))
+            process.kill()
+        shutil.rmtree(self.folder / "flow.mp4.textures", ignore_errors=True)
+        return float(found[1]), int(found[2])
+
+    def test_estimates(self):
+        """A film of both takes the time of each, but for a sixth that fewer rays to a pixel save, and the memory of the larger one."""
+        (dense_memory, dense), (lines_memory, lines), (memory, seconds) = map(self.estimate, ("dense", "streaks", "both"))
+        self.assertGreater(seconds, 0.84 * dense + lines)
+        self.assertGreater(min(dense, lines), 10)
+        self.assertGreaterEqual(memory, 0.9 * max(dense_memory, lines_memory))
 
     def test_one_file(self):
         """A flow that stays as it is moves on in both."""

@@ -68,8 +68,8 @@ class Parameters(ToolTest):
         self.assertEqual(set(vdblic.films.OPTIONS), keywords("film") - {"output"})
         self.assertEqual(set(vdblic.measures.DIFF_OPTIONS), keywords("diff") - {"output", "skip_existing", "json"})
         self.assertEqual(set(vdblic.measures.COHERENCE_OPTIONS), keywords("coherence") - {"output", "json"})
-        outputs = {"lines", "substeps", "frames", "clamp_frames", "renumber", "output", "skip_existing", "keep_going", "aov",
-                   "precision", "histogram", "transfer_out", "film", "fps"}
+        outputs = {"substeps", "frames", "clamp_frames", "renumber", "output", "skip_existing", "keep_going", "aov", "precision",
+                   "histogram", "transfer_out", "film", "fps"}
         self.assertEqual(set(vdblic.pictures.OPTIONS), keywords("render") - outputs)
         left_out, = re.findall(r"are left out:\s+([\w,\s]+)\.", vdblic.Renderer.__doc__)
         self.assertEqual(set(left_out.replace(",", " ").split()), outputs | {"input"})

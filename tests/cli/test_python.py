@@ -418,6 +418,41 @@ class Pictures(ToolTest):
         numpy.testing.assert_array_equal(picture, vdblic.Renderer(size=(48, 32), look="streaks")(texture).linear)
         self.assertGreater(abs(picture - vdblic.Renderer(size=(48, 32), look="flow")(texture).linear).max(), 0.01)
 
+    def test_lines_are_drawn_as_by_the_tool(self):
+        """Alone, and in a texture; the first frame chooses the look of all."""
+        self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", *SIZE, "--frames", "1-2")
+        textures = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "lic.%04d.vdb")
+        lines = self.outputs("vdblic_advect", "v.%04d.vdb", "-o", "s.%04d.vdb", "--method", "streaks", "--draw", "lines", "--spacing", 3,
+                             "--with", "q")
+        size = "--size", 48, 32, "--samples", 2, "--precision", "float"
+        beside, seen = f"{self.folder}/s.%04d.vdb", []
+        for paths, words, options in (
+                (textures[:1], (), {}), (lines[:1], (), {}),
+                (lines[:1], ("--opacity-by", "q", "--look", "vortex"), {"opacity_by": "q", "look": "vortex"}),
+                (textures[:1], ("--lines", beside), {"lines": beside}), (textures, ("--lines", beside), {"lines": beside}),
+                (textures[:1], ("--lines", lines[1], "--opacity", "0:0.1"), {"lines": lines[1], "opacity": "0:0.1"})):
+            with self.subTest(options=options):
+                source = {"stdin": "\n".join(map(str, paths))} if len(paths) > 1 else {}
+                self.outputs("vdblic_render", "-" if source else paths[0], "-o", "i.%04d.exr", *size, *words, **source)
+                render = vdblic.Renderer(size=(48, 32), samples=2, **options)
+                for frame, path in enumerate(paths, 1):
+                    picture = render(vdblic.read(path)).linear
+                    numpy.testing.assert_array_equal(picture, self.pixels(f"i.{frame:04}.exr", (32, 48)))
+                seen.append(picture.tobytes())
+        self.assertEqual(len(set(seen)), len(seen))
+
+    def test_lines_that_cannot_be_drawn(self):
+        texture = self.texture()
+        self.outputs("vdblic_advect", "v.vdb", "-o", "s.vdb", "--method", "streaks", "--draw", "lines", "--spacing", 3)
+        for volume, lines, words in ((texture, "none.%04d.vdb", "none.0001.vdb: the lines of frame 1 are missing"),
+                                     (texture, "lic.vdb", "lic.vdb: holds no lines"),
+                                     (vdblic.read(self.folder / "s.vdb"), "s.vdb", "the texture: holds lines itself")):
+            with self.subTest(lines), self.assertRaisesRegex(ValueError, words) as caught:
+                vdblic.Renderer(size=48, lines=self.folder / lines)(volume)
+            self.assertNotIn("\n", str(caught.exception))
+        with self.assertRaisesRegex(ValueError, "more than one"):
+            vdblic.Renderer(lines="s.%d.%d.vdb")
+
     def test_a_picture_shows_itself_in_a_notebook(self):
         texture = self.texture()
         for look, options in (("flow", {}), ("ink", {}), ("paper", {}),

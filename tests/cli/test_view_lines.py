@@ -81,11 +81,32 @@ class Server(ViewerTest):
             self.outputs("vdblic_render", *words, "--frames", 2)
             self.assertEqual(self.contents("made.png"), of_lines)
         self.assertEqual(self.request("picture", {"client": "test", "state": {"lines": "v.%04d.vdb"}, "frame": 2})[0], 400)
+        version = self.ask("status")["version"]
         shutil.copy(self.folder / "s.0001.vdb", self.folder / "s.0002.vdb")
+        version = self.told_since(version)
         self.assertNotEqual(self.picture(self.STATES[1], frame=2), both[1])
         (self.folder / "s.0002.vdb").unlink()
+        self.told_since(version)
         status, _, told = self.request("picture", {"client": "test", "state": {"size": [64, 40]}, "frame": 2, "settle": True})
         self.assertEqual((status, b"s.0002.vdb: the lines of frame 2 are missing" in told), (422, True), told)
+
+    def told_since(self, version):
+        """The version that the page is told, which is a new one; the frames are those of the texture."""
+        status = self.ask("status")
+        self.assertGreater(status["version"], version)
+        self.assertEqual(status["frames"], [1, 2, 3])
+        return status["version"]
+
+    def test_what_cannot_be_drawn_is_refused_at_once(self):
+        """As by vdblic_render: the same message, and no address."""
+        for arguments, words in ((("s.0002.vdb", "--lines", "s.%04d.vdb"), "s.0002.vdb: holds lines itself"),
+                                 (("lic.0002.vdb", "--lines", "none.%04d.vdb"), "none.0002.vdb: the lines of frame 2 are missing"),
+                                 (("lic.0002.vdb", "--lines", "v.%04d.vdb"), "v.0002.vdb: holds no lines")):
+            with self.subTest(arguments):
+                told = [self.fails(3, tool, *arguments, *more).split(": ", 1)[1]
+                        for tool, *more in (("vdblic_render", "-o", "a.png"), ("vdblic_view",))]
+                self.assertIn(words, told[0])
+                self.assertEqual(told[0], told[1])
 
     STATES = {}, {"opacity-by": "q", "look": "vortex", "annotate": "colorbar"}, {"eye": [12, -30, 20], "range": [0, 1]}
 

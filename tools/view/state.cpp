@@ -102,16 +102,11 @@ Given givenBy(const Start& start, const Json& state, const Parameters& parameter
 
 } // namespace
 
-Parameters picturesOf(RenderParams& params)
-{
-    return joined({parametersOf(params.picture), {*find(parametersOf(params), "lines")}});
-}
-
 Start startOf(const Given& given, const SequenceParams& input)
 {
-    RenderParams params;
+    PictureParams params;
     Start start{input, {}, Json::object(), {}, traitsOf(input)};
-    for (const Parameter& parameter : picturesOf(params)) {
+    for (const Parameter& parameter : parametersOf(params)) {
         const auto words = given.find(std::string(parameter.key));
         if (words == given.end()) continue;
         parameter.check(words->second);
@@ -131,8 +126,8 @@ Start startOf(const Given& given, const SequenceParams& input)
 
 std::vector<std::string> argumentsOf(const Start& start, const Json& state)
 {
-    RenderParams params;
-    const Parameters parameters = picturesOf(params);
+    PictureParams params;
+    const Parameters parameters = parametersOf(params);
     std::vector<std::string> arguments;
     for (const auto& [key, words] : givenBy(start, state, parameters)) {
         const Parameter& parameter = *find(parameters, key);
@@ -150,15 +145,15 @@ std::vector<std::string> argumentsOf(const Start& start, const Json& state)
 
 PicturePlan planOf(const Start& start, const Json& state)
 {
-    RenderParams params;
-    const Parameters parameters = picturesOf(params);
+    PictureParams params;
+    const Parameters parameters = parametersOf(params);
     set(parameters, givenBy(start, state, parameters));
     try {
-        if (state.contains("keys")) params.picture.motion.keys = parseCameraKeys(Json{{"keys", state["keys"]}});
+        if (state.contains("keys")) params.motion.keys = parseCameraKeys(Json{{"keys", state["keys"]}});
     } catch (const InputError& error) {
         throw ParameterError(error.what());
     }
-    return resolve(params.picture, start.traits);
+    return resolve(params, start.traits);
 }
 
 std::string commandOf(const Start& start, const Json& state, const std::vector<std::string>& last)

@@ -24,10 +24,7 @@ struct Start {
     SequenceTraits traits;
 };
 
-/// The parameters of pictures: those in memory, and lines in voxels.
-[[nodiscard]] Parameters picturesOf(RenderParams& params);
-
-/// @param given values of picturesOf(), by key. @throws ParameterError; InputError naming the file of key frames
+/// @param given parameters of pictures, by key. @throws ParameterError; InputError naming the file of key frames
 [[nodiscard]] Start startOf(const Given& given, const SequenceParams& input);
 
 /// The arguments of vdblic_render for a state; its key frames are left out.

@@ -76,6 +76,13 @@ ViewSource sourceOf(const SequenceParams& input, const PicturePlan& plan)
     return *source;
 }
 
+/// The files of lines in voxels that are on disk.
+std::vector<FileSeen> lineFiles(const Start& start)
+{
+    const auto lines = start.fixed.find("lines");
+    return lines == start.fixed.end() ? std::vector<FileSeen>() : filesOnDisk({.pattern = lines->second.front()});
+}
+
 } // namespace
 
 Viewer::Viewer(Start start, double cacheBytes) : mStart(std::move(start)), mCache(cacheBytes)
@@ -89,20 +96,25 @@ Viewer::Viewer(Start start, double cacheBytes) : mStart(std::move(start)), mCach
             traits.scalars.push_back(grid->getName());
     }
     mFiles = filesOnDisk(mStart.input);
-    mSource = sourceOf(mStart.input, planOf(mStart, Json::object()));
+    const PicturePlan plan = planOf(mStart, Json::object());
+    mSource = sourceOf(mStart.input, plan);
+    checkLines(plan, mSource.lookFrames.front());
+    mLineFiles = lineFiles(mStart);
 }
 
 std::vector<std::int64_t> Viewer::frames()
 {
-    std::vector<FileSeen> found;
+    std::vector<FileSeen> found, lines;
     try {
         found = filesOnDisk(mStart.input);
+        lines = lineFiles(mStart);
     } catch (const Error&) { // the folder was removed
     }
     const auto now = std::chrono::steady_clock::now();
     const std::lock_guard lock(mMutex);
-    if (!found.empty() && found != mFiles) {
+    if (!found.empty() && (found != mFiles || lines != mLineFiles)) {
         mFiles = std::move(found);
+        mLineFiles = std::move(lines);
         mChanged = now;
         mSourceIsOld = true;
         ++mVersion;

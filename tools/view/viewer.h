@@ -35,8 +35,8 @@ struct FrameView {
 ///
 /// The automatic choices are the same as in vdblic_render. At first they are made from one frame, so that a picture is
 /// there early; the others are read in the background. Of frames that the cache cannot hold, coarser copies beside them
-/// are shown until the frame itself is read. If frames come, go or are replaced, the choices follow once no file has
-/// changed for a while.
+/// are shown until the frame itself is read. If files of frames, or of lines in them, come, go or are replaced, the
+/// choices follow once none has changed for a while.
 class Viewer {
   public:
     /// @throws ParameterError, InputError if the sequence or what the start state says cannot be used
@@ -110,9 +110,9 @@ class Viewer {
 
     std::mutex mMutex; // of the members below
     ViewSource mSource;
-    std::vector<FileSeen> mFiles;
-    std::chrono::steady_clock::time_point mChanged; // last change of mFiles
-    bool mSourceIsOld = false;                      // than mFiles
+    std::vector<FileSeen> mFiles, mLineFiles;       // of the sequence, and of lines in its voxels
+    std::chrono::steady_clock::time_point mChanged; // last change of these
+    bool mSourceIsOld = false;                      // than these
     std::uint64_t mVersion = 1;
     std::list<std::pair<std::string, std::shared_ptr<const Basis>>> mBases;                      // the newest first
     std::list<std::pair<std::string, std::pair<std::shared_ptr<const Basis>, Choice>>> mChoices; // the newest first

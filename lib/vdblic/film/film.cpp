@@ -4,6 +4,7 @@
 #include "vdblic/core/paging.h"
 #include "vdblic/core/threads.h"
 #include "vdblic/field/domain_mask.h"
+#include "vdblic/film/film_cost.h"
 #include "vdblic/film/film_import.h"
 #include "vdblic/film/film_plan.h"
 #include "vdblic/film/tool_process.h"
@@ -194,6 +195,8 @@ void makeFrom(const FilmParams& params, const ImportedVelocity* imported, Report
     const FilmPlan plan = planFilm(params, inspectSequence(inspection, reporter));
     for (const std::string& note : plan.notes)
         reporter.say(note);
+    const char* const what = params.isFilm() ? "film" : params.isStill() ? "still" : "page";
+    reporter.detail(fmt::format("the {} takes about {}", what, costText(plan)));
     std::vector<std::string> commands = commandsOf(plan, (output.parent_path() / output.stem()).string() + '.');
     std::string madeFrom;
     for (std::size_t run = 0; run < plan.runs.size(); ++run) // the pictures' options do not change textures
@@ -212,10 +215,7 @@ void makeFrom(const FilmParams& params, const ImportedVelocity* imported, Report
 
     FilmFolder folder(output);
     folder.open(madeFrom, reporter);
-    reporter.say(fmt::format("textures wait in {} until the {} is done", folder.path().string(),
-                             params.isFilm()    ? "film"
-                             : params.isStill() ? "still"
-                                                : "page"));
+    reporter.say(fmt::format("textures wait in {} until the {} is done", folder.path().string(), what));
     try {
         makeOutput(params, plan, folder.stem(), reporter);
     } catch (...) {

@@ -5,10 +5,10 @@
 #include "vdblic/core/extent.h"
 #include "vdblic/core/printable.h"
 #include "vdblic/field/domain.h"
+#include "vdblic/film/film_cost.h"
 #include "vdblic/film/voxel_pixels.h"
 #include "vdblic/image/vector_text.h"
 #include "vdblic/io/frame_pattern.h"
-#include "vdblic/methods/memory_estimate.h"
 #include "vdblic/methods/streaks/streak_shape.h"
 #include "vdblic/methods/streaks/streaks.h"
 #include "vdblic/render/render_params.h"
@@ -227,7 +227,7 @@ class FilmPlanner {
         if (mParams.method == FilmMethod::kStreaks && frames >= kJoined && mParams.observer.rotation == 0)
             moveSubsteps(run);
         mPlan.runs.push_back(std::move(run));
-        estimate(cost);
+        addStreakCost(mPlan, cost, picturePixels());
     }
 
     /// Draw the pictures between frames from the frames' lines.
@@ -239,18 +239,7 @@ class FilmPlanner {
         mPlan.render["substeps"] = substeps.mapped();
     }
 
-    /// Fitted to default films of the wake, a ring and a tornado, and to pictures of the wake with 0.2 to 3.7 million
-    /// pixels.
-    void estimate(const StreakCost& cost)
-    {
-        constexpr double kBytes = 175e6, kBytesPerPixel = 75, kBytesPerStreak = 3500;
-        constexpr double kSecondsPerPixel = 5e-7, kSecondsPerPixelAndStreak = 2e-11;
-        const double pixels = double(mParams.pictureSize().x) * mParams.pictureSize().y;
-        mPlan.textureBytes = std::max(mPlan.textureBytes, cost.bytes);
-        mPlan.pictureBytes = kBytes + kBytesPerPixel * pixels + kBytesPerStreak * cost.streaks;
-        mPlan.seconds = double(mPlan.textures) * cost.secondsPerFrame +
-                        double(mPlan.pictures) * pixels * (kSecondsPerPixel + kSecondsPerPixelAndStreak * cost.streaks);
-    }
+    [[nodiscard]] double picturePixels() const { return double(mParams.pictureSize().x) * mParams.pictureSize().y; }
 
     void chooseDense()
     {
@@ -260,7 +249,7 @@ class FilmPlanner {
         while (voxels() > kMostVoxels && coarsen(factors)) {
         }
         mPlan.textureVoxels = voxels();
-        mPlan.textureBytes = denseBytes(1.5 * voxels());
+        addDenseCost(mPlan, picturePixels(), mParams.method == FilmMethod::kBoth);
         Given& run = mPlan.runs.emplace_back(mRun);
         run["refine"] = wordsOfFactors(factors);
         if (mPlan.render.contains("opacity_by")) run["derived"] = {"q"};

@@ -20,7 +20,7 @@ struct FilmPlan {
     Words page;                             ///< of a page: words of kPageTool, without the textures' pattern
     std::size_t textures = 1, pictures = 1; ///< textures of a run; a film may leave out the end of its last interval
     double textureVoxels = 0, textureBytes = 0; ///< voxels of a dense texture, estimated memory to make textures
-    double pictureBytes = 0, seconds = 0;       ///< estimates for streaks: memory of a picture, all processor time
+    double pictureBytes = 0, seconds = 0;       ///< estimates: memory of a picture, processor time of the whole
     std::vector<std::string> notes;             ///< the choices and their reasons, for people
 };
 

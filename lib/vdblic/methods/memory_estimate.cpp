@@ -37,4 +37,10 @@ double denseBytes(double voxels)
            partInBricks(leaves) * leaves * (kVelocityBrickBytes + kTextureBrick);
 }
 
+double denseSeconds(double voxels, double frames)
+{
+    constexpr double kSeconds = 0.22e-6, kPreroll = 4;
+    return voxels * (frames + kPreroll) * kSeconds;
+}
+
 } // namespace vdblic

@@ -25,4 +25,7 @@ inline constexpr double kVelocityBrickBytes = sizeof(float) * 8 * BricksOf<8>::k
 /// The same for a run with default parameters. @param voxels of the velocity's leaves
 [[nodiscard]] double denseBytes(double voxels);
 
+/// The processor time of such a run (docs/evidence.md). @param voxels, frames of its textures
+[[nodiscard]] double denseSeconds(double voxels, double frames);
+
 } // namespace vdblic

@@ -5,6 +5,7 @@
 #include "vdblic/io/frame_pattern.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
+#include "vdblic/io/vdb_header.h"
 #include "vdblic/lines/line_grid.h"
 #include "vdblic/lines/lines_between.h"
 #include "vdblic/render/frame_metadata.h"
@@ -123,6 +124,27 @@ LoadedTexture loadLines(const PicturePlan& plan, const VdbFile& file, const Line
         .flowVoxels = file.find<openvdb::FloatGrid>(kSpeedGrid)};
 }
 
+std::string linesInLines(const std::filesystem::path& path)
+{
+    return fmt::format("{}: holds lines itself; `lines` are drawn in a texture of voxels", path.string());
+}
+
+std::string noLines(const std::filesystem::path& path)
+{
+    return fmt::format("{}: holds no lines for `lines`; make them with vdblic_advect --method streaks --draw lines",
+                       path.string());
+}
+
+/// The file of the lines in a frame's voxels. @throws InputError if it is missing
+FrameFile foundLines(const PicturePlan& plan, std::int64_t frame)
+{
+    FrameFile file{frame, linesFile(plan, frame)};
+    if (std::filesystem::exists(file.path)) return file;
+    throw InputError(fmt::format("{}: the lines of frame {} are missing; make them with vdblic_advect --method "
+                                 "streaks --draw lines, or leave the frame out with `frames`",
+                                 file.path.string(), frame));
+}
+
 } // namespace
 
 std::filesystem::path linesFile(const PicturePlan& plan, std::int64_t frame)
@@ -130,31 +152,39 @@ std::filesystem::path linesFile(const PicturePlan& plan, std::int64_t frame)
     return FramePattern(plan.lines).path(frame);
 }
 
+bool hasLines(const std::filesystem::path& path, const std::string& name)
+{
+    const VdbHeader header = readVdbHeader(path);
+    const std::string texture = textureName(header.metadata, name);
+    return std::ranges::any_of(header.grids, [&](const openvdb::GridBase::Ptr& grid) {
+        return grid->getName() == texture && grid->isType<LineGrid>();
+    });
+}
+
+void checkLines(const PicturePlan& plan, const FrameFile& frame)
+{
+    if (plan.lines.empty()) return;
+    if (hasLines(frame.path, plan.texture)) throw InputError(linesInLines(frame.path));
+    const FrameFile lines = foundLines(plan, frame.frame);
+    if (!hasLines(lines.path, "")) throw InputError(noLines(lines.path));
+}
+
 std::optional<LoadedTexture> linesIn(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame,
                                      const std::string& chosenOpacity)
 {
     const LineGrid::Ptr grid = gridIn(plan, file);
     if (!grid) return std::nullopt;
+    if (!plan.lines.empty()) throw InputError(linesInLines(frame.path));
     return named(frame.path,
                  [&] { return loadLines(plan, file, linesOf(*grid), grid->transform(), frame, chosenOpacity); });
 }
 
 std::shared_ptr<const LoadedTexture> linesBeside(const PicturePlan& plan, const FrameFile& frame, const View* view)
 {
-    const FrameFile file{frame.frame, linesFile(plan, frame.frame)};
-    const std::string path = file.path.string();
-    if (!std::filesystem::exists(file.path)) {
-        throw InputError(fmt::format("{}: the lines of frame {} are missing; make them with vdblic_advect --method "
-                                     "streaks --draw lines, or leave the frame out with `frames`",
-                                     path, frame.frame));
-    }
-    const std::string chosen = view && view->lines ? view->lines->opacityBy : "";
-    auto lines = linesIn(planOfLines(plan), readVdb(file.path), file, chosen);
-    if (!lines) {
-        throw InputError(fmt::format("{}: holds no lines for `lines`; make them with vdblic_advect --method streaks "
-                                     "--draw lines",
-                                     path));
-    }
+    const FrameFile file = foundLines(plan, frame.frame);
+    auto lines =
+        linesIn(planOfLines(plan), readVdb(file.path), file, view && view->lines ? view->lines->opacityBy : "");
+    if (!lines) throw InputError(noLines(file.path));
     return std::make_shared<const LoadedTexture>(std::move(*lines));
 }
 

@@ -11,9 +11,13 @@ namespace vdblic {
 
 struct Moment;
 
+/// Whether a file is shown by its lines: by its header. @param name of its texture; empty: by its metadata
+/// @throws InputError naming the file
+[[nodiscard]] bool hasLines(const std::filesystem::path& path, const std::string& name);
+
 /// The lines of a file, if it has any.
 /// @param chosenOpacity scalar that opacity follows in all frames; empty: not chosen yet
-/// @throws InputError naming the file
+/// @throws InputError naming the file: also if it has lines, and the plan has others to draw in voxels
 [[nodiscard]] std::optional<LoadedTexture> linesIn(const PicturePlan& plan, const VdbFile& file, const FrameFile& frame,
                                                    const std::string& chosenOpacity);
 

@@ -6,7 +6,6 @@
 #include "vdblic/field/resample.h"
 #include "vdblic/io/texture_name.h"
 #include "vdblic/io/vdb_file.h"
-#include "vdblic/io/vdb_header.h"
 #include "vdblic/io/velocity_grids.h"
 #include "vdblic/render/frame_metadata.h"
 #include "vdblic/render/loaded_lines.h"
@@ -20,7 +19,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -145,25 +143,11 @@ double bytesPerVoxel(const PicturePlan& plan)
     return (kLeafBytes + records) / LeafVoxel::kCount;
 }
 
-namespace {
-
-/// Whether a file is shown by its lines.
-bool hasLines(const FrameFile& frame, const std::string& name)
-{
-    const VdbHeader header = readVdbHeader(frame.path);
-    const std::string texture = textureName(header.metadata, name);
-    return std::ranges::any_of(header.grids, [&](const openvdb::GridBase::Ptr& grid) {
-        return grid->getName() == texture && grid->isType<openvdb::points::PointDataGrid>();
-    });
-}
-
-} // namespace
-
 LoadedTexture loadFrame(const PicturePlan& plan, const FrameFile& frame, const View* view, const LeafShare* share)
 {
     // Lines need no voxel's value; each rank has all of them.
     const auto noValues = [](const openvdb::GridBase&, const openvdb::Coord&) { return false; };
-    if (hasLines(frame, plan.texture)) return loadFrame(plan, readVdb(frame.path, noValues), frame, view);
+    if (hasLines(frame.path, plan.texture)) return loadFrame(plan, readVdb(frame.path, noValues), frame, view);
     if (!share) return loadFrame(plan, readVdb(frame.path), frame, view);
     const std::optional<GridHeader> header = textureHeader(frame, plan.texture);
     // Records hold a voxel more on all sides, and their gradients another one. Other grids are to be resampled.
@@ -191,11 +175,7 @@ LoadedTexture loadFrame(const PicturePlan& plan, const VdbFile& file, const Fram
                         const LeafShare* share)
 {
     const std::string name = textureName(file.metadata, plan.texture);
-    if (auto lines = linesIn(plan, file, frame, view ? view->opacityBy : "")) {
-        if (plan.lines.empty()) return std::move(*lines);
-        throw InputError(
-            fmt::format("{}: holds lines itself; `lines` are drawn in a texture of voxels", frame.path.string()));
-    }
+    if (auto lines = linesIn(plan, file, frame, view ? view->opacityBy : "")) return std::move(*lines);
     const auto texture = textureOf(file, name);
     std::vector<std::string> opacityBy = plan.opacityBy;
     if (view && !opacityBy.empty()) opacityBy = {view->opacityBy};

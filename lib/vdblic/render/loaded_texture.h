@@ -67,6 +67,10 @@ struct LoadedTexture {
 /// The file of the lines in a frame's voxels. @param plan with lines
 [[nodiscard]] std::filesystem::path linesFile(const PicturePlan& plan, std::int64_t frame);
 
+/// Check by the headers that the plan's lines, if any, can be drawn in a frame: it has voxels, and their file lines.
+/// @throws InputError naming the file
+void checkLines(const PicturePlan& plan, const FrameFile& frame);
+
 /// Estimated memory of a voxel of a frame [bytes].
 [[nodiscard]] double bytesPerVoxel(const PicturePlan& plan);
 

@@ -120,12 +120,12 @@ ImageHeader imageHeader(const PicturePlan& plan, const Look& look, const Camera&
     const PicturePlan all = chosen(plan, look, camera);
     PictureParams params = all.params();
     params.cameraFile = std::filesystem::path(plan.cameraFile).filename();
+    params.lines = std::filesystem::path(plan.lines).filename();
     for (const Parameter& parameter : parametersOf(params)) {
         const std::string name = attributeOf(parameter.key);
         const Words words = parameter.get();
         if (!name.empty() && !words.empty()) attributes.emplace_back(name, valueOf(parameter, words));
     }
-    if (!plan.lines.empty()) attributes.emplace_back("lines", std::filesystem::path(plan.lines).filename().string());
     // Values that no option sets.
     const TransferParams& transfer = all.look.transfer;
     if (!transfer.unit.empty()) attributes.emplace_back("unit", transfer.unit);

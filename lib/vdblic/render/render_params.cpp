@@ -87,6 +87,11 @@ Parameters parametersOf(PictureParams& params)
                   [&params](const Words& words) { params.opacityBy = words[0]; }, opacityBy, {.words = "NAME"}),
         parameter("transfer", "JSON file of a transfer function (docs/formats.md).", params.transferFile,
                   {.words = "FILE"}),
+        parameter("lines",
+                  "Streaks drawn as tubes in a texture of voxels: one file of vdblic_advect --method streaks, or a "
+                  "pattern with the texture's frame numbers. Colours are the texture's; opacity follows the grid of "
+                  "--opacity-by, q or vorticity, the first that the lines carry.",
+                  params.lines, {.words = "FILE"}),
         parameter("solid",
                   "Opaque body: a closed mesh (.obj, .stl, .ply), level set, fog volume or mask, one file or a "
                   "sequence; or domain, what the texture leaves out of its box.",
@@ -116,11 +121,6 @@ Parameters parametersOf(RenderParams& params)
                   "left out with a film, a histogram or a transfer function to write.",
                   to.images, {.option = "-o,--output"}),
         skipExistingParameter(to.skipExisting),
-        parameter("lines",
-                  "Streaks drawn as tubes in a texture of voxels: one file of vdblic_advect --method streaks, or a "
-                  "pattern with the texture's frame numbers. Colours are the texture's; opacity follows the grid of "
-                  "--opacity-by, q or vorticity, the first that the lines carry.",
-                  params.picture.lines, {.words = "FILE"}),
         parameter(
             "substeps",
             "Pictures of lines for each interval between frames: the lines move on along their paths. Pictures are "

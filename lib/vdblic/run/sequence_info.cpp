@@ -238,8 +238,6 @@ bool isOf(const VelocityInfo& velocity, const GridInfo& grid)
 /// The cost of a run with default parameters otherwise. @param frames to compute
 void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std::size_t frames, VelocityInfo& velocity)
 {
-    constexpr double kSeconds = 0.22e-6; // of processor time for a voxel and frame (docs/evidence.md)
-    constexpr double kPreroll = 4;
     double memory = 0;
     for (const GridInfo& grid : info.grids) {
         if (!isOf(velocity, grid)) continue;
@@ -251,7 +249,7 @@ void estimateRun(const SequenceInfoParams& params, const SequenceInfo& info, std
     const double rim = std::max(0.0, memory / (3 * sizeof(float)) - double(velocity.voxels));
     const double ofTexture = refined * double(velocity.voxels) + refine * refine * rim;
     velocity.memory = denseBytes(ofTexture);
-    velocity.seconds = refined * double(velocity.voxels) * (double(frames) + kPreroll) * kSeconds;
+    velocity.seconds = denseSeconds(refined * double(velocity.voxels), double(frames));
     for (const TextureMethod* const method : textureMethods()) {
         const TextureMethod::Estimate* const estimate = method->estimate;
         if (!estimate) continue;

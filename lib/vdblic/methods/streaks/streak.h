@@ -39,7 +39,7 @@ struct Streak {
     std::uint64_t name;             ///< hash of place and time of its release
     double born;                    ///< time of its release or entry into the domain
     double retired = kNever;        ///< time of its retirement by the controller, after which it fades
-    bool slidIn = false;            ///< whether it entered over a rim; others fade in
+    bool slidIn = false;            ///< whether it came into sight over a rim; others fade in
     bool isStopped = false;         ///< whether its path ended at a rim or a solid, at the last node
     std::uint8_t source = 0;        ///< number of the source that it was last in; 0 for none
     std::vector<StreakNode> path{}; ///< oldest node first; never empty

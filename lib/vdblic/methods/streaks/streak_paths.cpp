@@ -209,11 +209,14 @@ void addTraced(const StreakTurn& turn, const PathlineParams& params, const Domai
     };
     const auto take = [&](std::size_t place, std::vector<StreakNode> nodes, bool cameIn) {
         Streak& streak = streaks[before + place];
-        streak.slidIn = cameIn || isFrozen;
+        if (!cameIn && !isFrozen) nodes.erase(nodes.begin(), nodes.end() - 1);
+        // Pictures before the frame do not show it: if it would have been in sight, it fades in.
+        const bool comesIntoSight = nodes.front().time >= turn.frame;
+        streak.slidIn = isFrozen || (cameIn && comesIntoSight);
         if (streak.slidIn)
             streak.born = nodes.front().time;
-        else
-            nodes.erase(nodes.begin(), nodes.end() - 1);
+        else if (cameIn)
+            streak.born = turn.frame;
         streak.path = std::move(nodes);
     };
     std::vector<std::uint8_t> cameIn(places.size());

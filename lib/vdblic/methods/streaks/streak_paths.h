@@ -27,8 +27,9 @@ struct StreakTurn {
 std::size_t advanceStreaks(const StreakTurn& turn, const PathlineParams& params, const LeafOwners& owners,
                            std::vector<Streak>& streaks);
 
-/// Add streaks at places, at the end of a turn. If a streak's path entered over a rim during the turn, it has slid in
-/// and has its path since then; else it begins at its place and fades in. Collective; computed in parallel.
+/// Add streaks at places, at the end of a turn. If a streak's path entered over a rim during the turn, it has its path
+/// since then, and slid in if it came into sight in this frame; else it begins at its place. What has not slid in fades
+/// in. Collective; computed in parallel.
 /// @param region that releases streaks: its rims count
 void addStreaks(const StreakTurn& turn, const PathlineParams& params, const Domain& region,
                 const std::vector<StreakPlace>& places, const LeafOwners& owners, std::vector<Streak>& streaks);
