@@ -11,7 +11,7 @@ import unittest
 
 import pyopenvdb as vdb
 
-from support import BIN, WAKE, ToolTest, often, skip
+from support import BIN, MPI_ENVIRONMENT, WAKE, ToolTest, often, skip
 
 if not (BIN / "vdblic_advect_mpi").exists():
     skip("built without MPI")
@@ -21,8 +21,6 @@ if not shutil.which("mpirun"):
 DATA = os.environ.get("VDBLIC_DATA")
 SUPPORT = os.environ["VDBLIC_TEST_SUPPORT"]
 not_sanitized = unittest.skipIf(os.environ.get("VDBLIC_SANITIZED") == "1", "a sanitizer wants to be loaded first")
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}  # for containers
 
 
 class Ranks(ToolTest):
@@ -31,7 +29,7 @@ class Ranks(ToolTest):
 
     def run_ranks(self, ranks, tool, *arguments, stdin=""):
         return subprocess.run(self.command(ranks, tool, *arguments), input=stdin, text=True, capture_output=True,
-                              cwd=self.folder, env=ENVIRONMENT, timeout=300, check=False)
+                              cwd=self.folder, env=MPI_ENVIRONMENT, timeout=300, check=False)
 
     def by_ranks(self, ranks, *arguments, stdin=""):
         return self.run_ranks(ranks, "vdblic_advect_mpi", "--threads", 1, *arguments, stdin=stdin)
@@ -259,7 +257,7 @@ class Ranks(ToolTest):
     def by_two(self, tool, *arguments, one, other):
         """Two ranks with options of their own each."""
         command = self.command(1, tool, *arguments, *one) + [":"] + self.command(1, tool, *arguments, *other)[4:]
-        return subprocess.run(command, text=True, capture_output=True, cwd=self.folder, env=ENVIRONMENT, timeout=300,
+        return subprocess.run(command, text=True, capture_output=True, cwd=self.folder, env=MPI_ENVIRONMENT, timeout=300,
                               check=False)
 
     def test_ranks_have_the_same_options(self):
@@ -328,7 +326,7 @@ class Ranks(ToolTest):
             if rank == lacking:
                 what(own)
             command += [*([":"] if rank else []), "-n", "1", "-wdir", own, BIN / tool, "--threads", 1, *arguments]
-        return subprocess.run(list(map(str, command)), text=True, capture_output=True, cwd=self.folder, env=ENVIRONMENT,
+        return subprocess.run(list(map(str, command)), text=True, capture_output=True, cwd=self.folder, env=MPI_ENVIRONMENT,
                               timeout=120, check=False)
 
     def test_what_one_rank_does_not_see(self):
@@ -422,7 +420,7 @@ class Ranks(ToolTest):
                      f"VDBLIC_KILL_BY={int(by)}", *program]
         parts = [[":", "-n", str(count), *part] for count, part in
                  ((rank, program), (1, signalled), (ranks - rank - 1, program)) if count > 0]
-        run = subprocess.Popen(mpirun + sum(parts, [])[1:], cwd=self.folder, env=ENVIRONMENT, text=True,
+        run = subprocess.Popen(mpirun + sum(parts, [])[1:], cwd=self.folder, env=MPI_ENVIRONMENT, text=True,
                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         self.addCleanup(run.stderr.close)
         self.addCleanup(lambda: run.poll() is None and run.kill())

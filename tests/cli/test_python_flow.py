@@ -11,7 +11,7 @@ import unittest
 
 import numpy
 
-from support import BIN, ToolTest, skip
+from support import BIN, MPI_ENVIRONMENT, ToolTest, skip
 
 MODULE = BIN.parent / "python"
 if os.environ.get("VDBLIC_SANITIZED") == "1":
@@ -122,8 +122,7 @@ if comm.rank == 0:
 else:
     assert textures == []
 """
-ENVIRONMENT = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "PYTHONPATH": str(MODULE),
-                            "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}  # for containers
+ENVIRONMENT = MPI_ENVIRONMENT | {"PYTHONPATH": str(MODULE)}
 
 
 def lacking():
