@@ -13,7 +13,6 @@
 #include "vdblic/methods/auflic/fading_values.h"
 #include "vdblic/methods/auflic/seeding.h"
 #include "vdblic/methods/auflic/single_value.h"
-#include "vdblic/methods/auflic/tile_schedule.h"
 #include "vdblic/methods/auflic/value_window.h"
 
 #include <fmt/format.h>
@@ -21,7 +20,6 @@
 #include <tbb/partitioner.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -82,58 +80,27 @@ class Collector {
     std::atomic<std::size_t> mHits = 0, mEmptyVoxels = 0;
 };
 
-/// The farthest distance of this step's paths from their tiles, along each axis [voxels].
-std::array<float, 3> longestPaths(const ScatterScene& scene)
+/// The farthest distance of this step's paths from their tiles along an axis [voxels].
+float longestPathAlong(std::size_t axis, const ScatterScene& scene)
 {
-    std::array<float, 3> longest{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        float slope = scene.field.largest()[axis];
-        for (const ParticleBins& bins : scene.arriving)
-            slope = std::max(slope, bins.largestSlope()[axis] * scene.slopeScale);
-        longest[axis] = longestPath(slope);
-    }
-    return longest;
+    float slope = scene.field.largest()[axis];
+    for (const ParticleBins& bins : scene.arriving)
+        slope = std::max(slope, bins.largestSlope()[axis] * scene.slopeScale);
+    return longestPath(slope);
 }
 
+/// Scatter a slab's tiles. Integer additions commute, so any thread may take any tile.
 template<typename Carried>
-void scatterTile(TileScatter<Carried>& worker, std::uint32_t leaf, bool isShared)
+void scatterSlab(Slabs::Leaves leaves, std::vector<TileScatter<Carried>>& workers)
 {
-    paging::breathe(4 * paging::kLeafBytes); // with particles, hits and input
-    worker.run(leaf, isShared);
-}
-
-/// Scatter the tiles of a slab, in parallel. Integer additions commute, so any order of tiles will do.
-template<typename Carried>
-void scatterSlab(const Domain& domain, Slabs::Leaves leaves, const openvdb::Coord& reach,
-                 std::vector<TileScatter<Carried>>& workers)
-{
-    const auto onEveryThread = [&](const auto& work) {
-        tbb::parallel_for(std::size_t(0), workers.size(), work, tbb::simple_partitioner());
+    std::atomic<std::size_t> next = 0;
+    const auto scatter = [&](std::size_t thread) {
+        for (std::size_t i = next++; i < leaves.size(); i = next++) {
+            paging::breathe(4 * paging::kLeafBytes); // with particles, hits and input
+            workers[thread].run(leaves[i], workers.size() > 1);
+        }
     };
-    constexpr int kFarReach = 3; // in leaves; a longer reach lets too few tiles run together
-    if (workers.size() == 1) {
-        for (const std::uint32_t leaf : leaves)
-            scatterTile(workers[0], leaf, false);
-    } else if (std::max({reach[0], reach[1], reach[2]}) <= kFarReach) {
-        TileSchedule schedule(domain, leaves, reach, workers.size());
-        onEveryThread([&](std::size_t thread) {
-            try {
-                while (const std::optional<TileSchedule::Group> group = schedule.next(thread)) {
-                    for (const std::uint32_t leaf : group->leaves)
-                        scatterTile(workers[thread], leaf, false);
-                }
-            } catch (...) {
-                schedule.stop();
-                throw;
-            }
-        });
-    } else {
-        std::atomic<std::size_t> next = 0;
-        onEveryThread([&](std::size_t thread) {
-            for (std::size_t i = next++; i < leaves.size(); i = next++)
-                scatterTile(workers[thread], leaves[i], true);
-        });
-    }
+    tbb::parallel_for(std::size_t(0), workers.size(), scatter, tbb::simple_partitioner());
 }
 
 /// ScatterMethod::scatterTiles
@@ -148,15 +115,13 @@ ScatterStats scatterTiles(const ScatterScene& scene, VelocityField& field, Accum
     for (std::size_t thread = 0; thread < threads; ++thread)
         workers.emplace_back(scene);
 
-    const std::array<float, 3> longest = longestPaths(scene);
-    const openvdb::Coord reach(leavesReached(longest[0]), leavesReached(longest[1]), leavesReached(longest[2]));
     const FrameDomain& domain = field.sampledDomain();
     const Slabs slabs(*domain.texture, domain.refinement), velocitySlabs(slabs, *domain.velocity, domain.refinement);
     // The velocity's cell around a position begins up to one velocity voxel before it.
     const auto axis = std::size_t(slabs.axis());
     const int finer = domain.refinement.factors[axis] - 1;
     slabs.sweep(
-        leavesReached(longest[axis] + float(finer)),
+        leavesReached(longestPathAlong(axis, scene) + float(finer)),
         [&](std::size_t slab) {
             fill(velocitySlabs[slab]);
             accumulator.open(slabs[slab]);
@@ -167,11 +132,11 @@ ScatterStats scatterTiles(const ScatterScene& scene, VelocityField& field, Accum
         },
         [&](std::size_t slab) {
             const Domain& texture = *domain.texture;
-            if (texture.isWhole()) return scatterSlab(texture, slabs[slab], reach, workers);
+            if (texture.isWhole()) return scatterSlab(slabs[slab], workers);
             std::vector<std::uint32_t> own;
             std::copy_if(slabs[slab].begin(), slabs[slab].end(), std::back_inserter(own),
                          [&](std::uint32_t leaf) { return texture.isOwn(leaf); });
-            scatterSlab(texture, own, reach, workers);
+            scatterSlab<Carried>(own, workers);
         });
 
     ScatterStats stats;
