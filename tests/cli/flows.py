@@ -67,8 +67,8 @@ def image(time=0.0, sizes=(9, 7, 5), cells=False):
     return fill(grid, grid_positions(x, y, z), time, cells)
 
 
-def rectilinear(time=0.0):
-    grid, (x, y, z) = vtkRectilinearGrid(), axes(warp=0.3)
+def rectilinear(time=0.0, axes=axes(warp=0.3)):
+    grid, (x, y, z) = vtkRectilinearGrid(), axes
     grid.SetDimensions(len(x), len(y), len(z))
     grid.SetXCoordinates(numpy_to_vtk(x, deep=True))
     grid.SetYCoordinates(numpy_to_vtk(y, deep=True))
@@ -76,11 +76,11 @@ def rectilinear(time=0.0):
     return fill(grid, grid_positions(x, y, z), time)
 
 
-def structured(time=0.0, part=slice(None)):
+def structured(time=0.0, part=slice(None), axes=axes(), rise=0.2):
     """A grid whose layers follow a bottom that rises with x."""
-    x, y, z = axes()
+    x, y, z = axes
     positions = grid_positions(x[part], y, z)
-    positions[..., 2] += 0.2 * (positions[..., 0] - 1) * (1 - positions[..., 2])
+    positions[..., 2] += rise * (positions[..., 0] - 1) * (1 - positions[..., 2])
     grid, points = vtkStructuredGrid(), vtkPoints()
     points.SetData(numpy_to_vtk(positions.reshape(-1, 3), deep=True))
     grid.SetDimensions(*positions.shape[2::-1])

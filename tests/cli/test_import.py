@@ -86,6 +86,22 @@ class VtkFiles(ImportTest):
         expected = flows.flow(numpy.array(turned.transform.indexToWorld((4, 3, 2))))
         numpy.testing.assert_allclose(grid.getConstAccessor().getValue((4, 3, 2)), expected, rtol=1e-5)
 
+    def test_voxels_on_the_rim_are_inside(self):
+        """Their centres are corners of the cells, but for rounding."""
+        x, y, z = (axis / 3 for axis in flows.axes())
+        for ending, grid in ("vtr", flows.rectilinear(axes=(x, y, z))), ("vts", flows.structured(axes=(x, y, z), rise=0)):
+            flows.write_vtk(grid, self.folder / f"v.{ending}")
+            for first in -60, 0, 7:
+                like = vdb.FloatGrid()
+                like.fill((first, first, first), (first + 8, first + 6, first + 4), 1)
+                matrix = numpy.diag([*(axis[1] - axis[0] for axis in (x, y, z)), 1])
+                matrix[3, :3] = [axis[0] - first * (axis[1] - axis[0]) for axis in (x, y, z)]
+                like.transform = vdb.createLinearTransform(matrix.tolist())
+                like.name = "like"
+                vdb.write(str(self.folder / "like.vdb"), like)
+                path, = self.imports(f"v.{ending}", "-o", "v.vdb", "--like", "like.vdb")
+                self.assertEqual(vdb.read(str(path), "velocity").activeVoxelCount(), 9 * 7 * 5, (ending, first))
+
     def test_choice_of_arrays(self):
         image = flows.image()
         for i, name in enumerate("ab"):

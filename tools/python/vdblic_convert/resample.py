@@ -12,6 +12,7 @@ from .target import Points, Target, filling, on_points
 MOST_VOXELS = 256**3  # of a default grid
 CELL = "cell of the voxel"
 FIRST_CURVED = 21  # of VTK's numbers of cell types
+ROUNDING = 1e-5  # how far from a voxel's centre a corner of a cell counts as on it [voxels]
 
 
 class Flow:
@@ -188,6 +189,9 @@ def _probed(dataset, names, target):
     vtk.add_array(dataset.GetCellData(), CELL, numpy.arange(dataset.GetNumberOfCells(), dtype=float))
     if isinstance(target, Points):
         dataset, target = _by_index(dataset, target)
+    if target.along_axes() and not dataset.IsA("vtkImageData"):
+        _to_indices(dataset, target)
+        target = Target(target.size, numpy.eye(4))
     probe = vtk.filters.vtkProbeFilter()
     probe.SetSourceData(dataset)
     probed = vtk.output_of(probe, _vtk_grid(target))
@@ -201,13 +205,33 @@ def _probed(dataset, names, target):
     return values, mask, len(numpy.unique(value_of(CELL)[mask])) / max(seen, 1)
 
 
+def _to_indices(cells, target):
+    """Bring cells to the space of a grid's indices.
+
+    VTK leaves out a voxel whose centre is outside a cell's box by rounding. In indices both can be the same numbers.
+    """
+    if cells.IsA("vtkRectilinearGrid"):
+        axes = zip(vtk.axes_of(cells), target.origin(), target.spacing)
+        vtk.set_axes(cells, [_snapped((axis - origin) / length) for axis, origin, length in axes])
+    else:
+        places, points = vtk.bridge.vtk_to_numpy(cells.GetPoints().GetData()), vtk.core.vtkPoints()
+        places = _snapped((places - target.origin()) / target.spacing)
+        points.SetData(vtk.bridge.numpy_to_vtk(places, deep=True))
+        cells.SetPoints(points)
+
+
+def _snapped(indices):
+    near = numpy.rint(indices)
+    return numpy.where(abs(indices - near) < ROUNDING, near, indices)
+
+
 def _by_index(grid, target):
     """A grid of straight columns as an image on its indices, and the places there: others VTK searches step by step."""
     if grid.IsA("vtkRectilinearGrid"):
-        at = []
-        for places, letter in zip(target.at.T, "XYZ"):
-            axis = vtk.bridge.vtk_to_numpy(getattr(grid, f"Get{letter}Coordinates")())
-            at.append(numpy.interp(places, axis, numpy.arange(len(axis)), left=-1, right=-1))
+        at = [
+            numpy.interp(places, axis, numpy.arange(len(axis)), left=-1, right=-1)
+            for places, axis in zip(target.at.T, vtk.axes_of(grid))
+        ]
     elif not grid.IsA("vtkStructuredGrid") or (at := _in_columns(grid, target)) is None:
         return grid, target
     image = vtk.model.vtkImageData()

@@ -252,3 +252,14 @@ def dimensions_of(grid):
     """The points of a structured grid along x, y and z."""
     extent = grid.GetExtent()
     return [last - first + 1 for first, last in zip(extent[::2], extent[1::2])]
+
+
+def axes_of(grid):
+    """The coordinates of a rectilinear grid along each axis."""
+    return [bridge.vtk_to_numpy(getattr(grid, f"Get{letter}Coordinates")()) for letter in "XYZ"]
+
+
+def set_axes(grid, axes):
+    """Give a rectilinear grid its coordinates along each axis."""
+    for letter, axis in zip("XYZ", axes):
+        getattr(grid, f"Set{letter}Coordinates")(bridge.numpy_to_vtk(numpy.ascontiguousarray(axis, float), deep=True))

@@ -2,7 +2,7 @@
 
 import numpy
 
-from ..vtk_data import GHOSTS, HIDDEN_POINT, add_array, bridge, core, model
+from ..vtk_data import GHOSTS, HIDDEN_POINT, add_array, bridge, core, model, set_axes
 
 EVEN = 1e-3  # of a spacing: how far coordinates may be from even ones; degrees in float32 are about as exact
 
@@ -49,8 +49,7 @@ def _image(axes):
 def _rectilinear(axes):
     grid = model.vtkRectilinearGrid()
     grid.SetDimensions(*map(len, axes))
-    for letter, axis in zip("XYZ", axes):
-        getattr(grid, f"Set{letter}Coordinates")(bridge.numpy_to_vtk(numpy.ascontiguousarray(axis, float), deep=True))
+    set_axes(grid, axes)
     return grid
 
 
