@@ -548,7 +548,7 @@ class Pictures(ToolTest):
             numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32))(texture).linear, expected)
         numpy.testing.assert_array_equal(vdblic.Renderer(size=(48, 32), texture="mine")(values).linear, expected)
         for bad, words in ((FLOW, r"the texture has the shape \(24, 20, 16, 3\); a texture has \(x, y, z\)"),
-                           (values[0], "is no field"), ("lic.vdb", "'lic.vdb' is no field")):
+                           (values[0], "is no field"), ("lic.vdb", "'lic.vdb' is no field; vdblic.read")):
             with self.subTest(words), self.assertRaisesRegex(ValueError, words):
                 vdblic.Renderer()(bad)
 

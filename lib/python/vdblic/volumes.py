@@ -90,6 +90,8 @@ def as_volume(data: Any, *, voxel_size: Lengths = 1.0, layout: str | None = None
         return Volume((Grid(**grid) for grid in grids), metadata)
     if isinstance(data, Mapping):
         return Volume(_named(name, item, lengths, layout) for name, item in data.items())
+    if isinstance(data, str | os.PathLike):
+        raise ValueError(f"{os.fspath(data)!r} is no field; vdblic.read() reads files")
     try:
         values = numpy.asanyarray(data)
     except ValueError:
