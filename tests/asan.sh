@@ -1,15 +1,7 @@
 #!/bin/sh
 # Runs the unit tests under the address and undefined-behaviour sanitizers.
-#
-#     tests/asan.sh           all of them
-#     tests/asan.sh --quick   without those that take many samples of what others run, too
 set -eu
 cd "$(dirname "$0")/.."
-case ${1-} in
-    --quick) export GTEST_FILTER='-Coherence.Of*:Coherence.FindsTheLength*:Lens.*' ;;
-    '') ;;
-    *) echo "usage: tests/asan.sh [--quick]" >&2 && exit 2 ;;
-esac
 cmake --preset asan-ubsan
 cmake --build --preset asan-ubsan --target vdblic_tests
 export LSAN_OPTIONS=suppressions=tests/support/lsan.supp:print_suppressions=0

@@ -1,8 +1,8 @@
 #!/bin/sh
 # What takes too long for every push, in one command, on Debian 12 as root: all cases of the tests of which .ci/run takes one
-# of a kind, all unit tests under the sanitizers, a build with Clang whose files are compared with GCC's, and ten minutes
-# of fuzzing. Goes on after a failure; the end tells each part's result and its time, and the status is 1 if one
-# failed.
+# of a kind, every public header by itself, all unit tests under the sanitizers, tools and unit tests under the thread
+# sanitizer, a build with Clang whose files are compared with GCC's, and ten minutes of fuzzing. Goes on after a failure; the
+# end tells each part's result and its time, and the status is 1 if one failed.
 set -u
 cd "$(dirname "$0")/.." || exit
 summary=$(mktemp)
@@ -18,6 +18,7 @@ part() {
 part .ci/packages.sh
 part tests/peers.sh
 part env VDBLIC_NIGHTLY=1 tests/run.sh --timeout 7200
+part cmake --build --preset release --target all_verify_interface_header_sets
 part tests/asan.sh
 part tests/tsan.sh
 part tests/compare_builds.sh clang

@@ -1,9 +1,8 @@
 #!/bin/sh
-# Looks for races with the thread sanitizer.
+# Looks for races with the thread sanitizer: in tools beside each other, a film, the viewer and a comparison
+# (tests/cli/test_threads.py), and in the unit tests.
 #
-#     tests/tsan.sh --tools                     tools beside each other, a film, the viewer and a comparison
-#                                               (tests/cli/test_threads.py)
-#     tests/tsan.sh [options of vdblic_tests]   all of that and the unit tests
+#     tests/tsan.sh [options of vdblic_tests]
 #
 # The sanitizer must see how TBB hands work from thread to thread, so TBB is built with it, too, from Debian's source:
 # that needs a Debian with the network, as root.
@@ -32,9 +31,7 @@ if [ -z "$(library)" ]; then
     cmake --build "$tbb/build"
 fi
 cmake --preset tsan
-cmake --build --preset tsan --target tool_synth tool_advect tool_render tool_film tool_view tool_diff
+cmake --build --preset tsan --target tool_synth tool_advect tool_render tool_film tool_view tool_diff vdblic_tests
 export LD_LIBRARY_PATH="$(dirname "$(library)")" TSAN_OPTIONS="suppressions=$root/tests/support/tsan.supp"
 VDBLIC_BIN=$root/build/tsan/tools /usr/bin/python3 -B tests/cli/test_threads.py
-[ "${1-}" != --tools ] || exit 0
-cmake --build --preset tsan --target vdblic_tests
 exec build/tsan/tests/vdblic_tests "$@"

@@ -181,13 +181,18 @@ void TextureBlock::copy(const openvdb::FloatTree& texture, const openvdb::FloatT
     std::copy_n(mActive, kRows, mKnown);
 }
 
-VDBLIC_KERNEL
 void TextureBlock::copySparse(const openvdb::FloatTree& texture, const openvdb::FloatTree* driver,
                               const openvdb::Coord& origin)
 {
     mIsSparse = true;
     copyRim(texture, driver, origin, TextureLeaf::kRim);
     std::copy_n(mActive, kRows, mKnown);
+    clearInactive();
+}
+
+VDBLIC_KERNEL
+void TextureBlock::clearInactive()
+{
     forRows(TextureLeaf::kRim, [&](int, int, int row) {
         const unsigned active = mActive[row];
         float* const values = mTexture + row * std::ptrdiff_t(kDim);

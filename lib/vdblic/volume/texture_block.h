@@ -50,6 +50,7 @@ class TextureBlock {
     void copyRim(const openvdb::FloatTree& texture, const openvdb::FloatTree* driver, const openvdb::Coord& origin,
                  int rim);
     void removeNotFinite(int rim);
+    void clearInactive();
     void extendBy(int rim);
     void extend(int voxel, int row, int z);
 
