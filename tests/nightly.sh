@@ -1,8 +1,8 @@
 #!/bin/sh
 # What takes too long for every push, in one command, on Debian 12 as root: all cases of the tests of which .ci/run takes one
-# of a kind, every public header by itself, all unit tests under the sanitizers, tools and unit tests under the thread
-# sanitizer, a build with Clang whose files are compared with GCC's, and ten minutes of fuzzing. Goes on after a failure; the
-# end tells each part's result and its time, and the status is 1 if one failed.
+# of a kind, every public header by itself, all unit tests under the address and undefined-behaviour sanitizers, tools and
+# unit tests under the thread sanitizer, a build with Clang whose files are compared with GCC's, and ten minutes of fuzzing.
+# Goes on after a failure; the end tells each part's result and its time, and the status is 1 if one failed.
 set -u
 cd "$(dirname "$0")/.." || exit
 summary=$(mktemp)

@@ -14,6 +14,9 @@ import pyopenvdb as vdb
 from support import BIN, ToolTest
 
 
+SECONDS = 3  # of a film that is stopped halfway
+
+
 class Film(ToolTest):
     def setUp(self):
         super().setUp()
@@ -93,11 +96,12 @@ class Film(ToolTest):
 
     def start(self, *options):
         return subprocess.Popen([BIN / "vdblic_film", "v.%04d.vdb", "-o", "flow.mp4", "--size", "96", "64", "--seconds",
-                                 "3", *options], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                                 str(SECONDS), *options], cwd=self.folder, stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True)
 
     def test_resume(self):
         """After a stop or a kill the same command makes the same film; a stop leaves whole textures only."""
-        self.film("whole.mp4", "--seconds", 3)
+        self.film("whole.mp4", "--seconds", SECONDS)
         textures = self.folder / "flow.mp4.textures"
         for name in signal.SIGINT, signal.SIGKILL:
             with self.subTest(signal=name):
@@ -110,7 +114,7 @@ class Film(ToolTest):
                 self.assertTrue(textures.is_dir())
                 if name == signal.SIGINT:
                     self.assertIn("flow.mp4.textures: keeps the finished textures", text)
-                self.assertIn("flow.mp4.textures: going on with its textures", self.film("flow.mp4", "--seconds", 3))
+                self.assertIn("flow.mp4.textures: going on with its textures", self.film("flow.mp4", "--seconds", SECONDS))
                 self.assertEqual(self.contents("flow.mp4"), self.contents("whole.mp4"))
                 self.assertEqual(self.files(), sorted([*self.velocities(), "flow.mp4", "whole.mp4"]))
                 (self.folder / "flow.mp4").unlink()
@@ -127,7 +131,7 @@ class Film(ToolTest):
         (self.folder / "here").symlink_to(".")
         before = sorted(textures.iterdir())
         for output in "flow.mp4", "./flow.mp4", "here/flow.mp4":
-            for seconds in 1, 3:
+            for seconds in 1, SECONDS:
                 text = self.film(output, "--seconds", seconds, status=2)
                 self.assertIn(f"{output}: another run is writing these outputs, process {process.pid} on ", text)
                 self.assertEqual(sorted(textures.iterdir()), before)
@@ -147,7 +151,7 @@ class Film(ToolTest):
                 process.communicate(timeout=60)
                 if change == "inputs":
                     self.outputs("vdblic_synth", "abc", "-o", "v.%04d.vdb", "--size", 24, 24, 24, "--frames", "1-5")
-                seconds = 1 if change == "options" else 3
+                seconds = 1 if change == "options" else SECONDS
                 self.assertIn("are made again", self.film("flow.mp4", "--seconds", seconds))
                 if change == "options":
                     self.assertEqual(self.contents("flow.mp4"), self.contents("whole.mp4"))
