@@ -51,11 +51,10 @@ struct alignas(32) RayKernel::Lanes {
 
 /// The lanes' samples.
 struct alignas(32) RayKernel::Sample {
-    Int8 index;         // of the sample on its ray
-    Float8 distance;    // along the ray [steps]
-    Float8 position[3]; // relative to VisibleSpace::origin(), as voxel
-    Int8 voxel[3];
-    Float8 place[3]; // position relative to the first voxel of its leaf
+    Int8 index;      // of the sample on its ray
+    Float8 distance; // along the ray [steps]
+    Int8 voxel[3];   // relative to VisibleSpace::origin()
+    Cells cells;     // relative to the first voxels of their leaves
     Unsigned8 entry; // of the leaf in VisibleSpace
     Int8 distant;    // distance of the cell from the nearest visible cell
     Unsigned8 leaf;  // number
@@ -88,10 +87,11 @@ VDBLIC_INLINE void RayKernel::locate(const Lanes& lanes, Sample& result) const
     result.distance = middleOf(lanes.sample, lanes.shift, lanes.span);
     const Float8 distance = result.distance * mStep;
     for (int axis = 0; axis < 3; ++axis) {
-        result.position[axis] = lanes.entry[axis] + lanes.direction[axis] * distance; // not negative
-        result.voxel[axis] = __builtin_convertvector(result.position[axis] + 0.5f, Int8);
-        const Int8 origin = result.voxel[axis] & -LeafVoxel::kDim;
-        result.place[axis] = result.position[axis] - __builtin_convertvector(origin, Float8);
+        const Float8 position = lanes.entry[axis] + lanes.direction[axis] * distance; // not negative
+        const Int8 cell = __builtin_convertvector(position, Int8);
+        result.voxel[axis] = __builtin_convertvector(position + 0.5f, Int8);
+        result.cells.low[axis] = cell - (result.voxel[axis] & -LeafVoxel::kDim);
+        result.cells.fraction[axis] = position - __builtin_convertvector(cell, Float8);
     }
     findEmpty(lanes, result);
 }
@@ -100,7 +100,7 @@ VDBLIC_INLINE void RayKernel::locate(const Lanes& lanes, Sample& result) const
 VDBLIC_INLINE void RayKernel::findEmpty(const Lanes& lanes, Sample& result) const
 {
     result.entry = mVisible.findLeaves(lanes.block, result.voxel);
-    result.distant = mVisible.findDistances(result.entry, Cells(result.place).low);
+    result.distant = mVisible.findDistances(result.entry, result.cells.low);
 }
 
 /// Negative in lanes whose ray is at its end or opaque.
@@ -236,16 +236,15 @@ VDBLIC_INLINE void RayKernel::interpolate(Sample& result, unsigned which) const
     if (mIsCubic) {
         interpolateCubic(result, which);
     } else {
-        const Cells cells(result.place);
-        result.corners = mTexture.corners(result.leaf, cells);
-        result.texture = result.corners.at(cells.fraction);
+        result.corners = mTexture.corners(result.leaf, result.cells);
+        result.texture = result.corners.at(result.cells.fraction);
     }
 }
 
 VDBLIC_KERNEL
 void RayKernel::interpolateCubic(Sample& result, unsigned which) const
 {
-    result.texture = mTexture.cubicAt(result.leaf, Cells(result.place), which);
+    result.texture = mTexture.cubicAt(result.leaf, result.cells, which);
 }
 
 /// The given lanes whose voxels are hidden.
@@ -264,16 +263,11 @@ unsigned RayKernel::findHidden(unsigned lanes, const Sample& sample) const
 
 /// Factor on halos: 0 where a flank faces the eye, 1 where it is seen edge-on.
 /// @param view directions of the rays, by axis
-VDBLIC_KERNEL
-void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& result) const
+VDBLIC_INLINE void RayKernel::findFlanks(const Sample& sample, const Float8* view, Float8& result) const
 {
     Float8 slopes[3];
-    const Cells cells(sample.place);
-    if (mIsCubic) {
-        mTexture.corners(sample.leaf, cells).slopes(cells.fraction, slopes);
-    } else {
-        sample.corners.slopes(cells.fraction, slopes);
-    }
+    const CornerTextures corners = mIsCubic ? mTexture.corners(sample.leaf, sample.cells) : sample.corners;
+    corners.slopes(sample.cells.fraction, slopes);
     const glm::mat3& toWorld = mVolume.gradientToWorld();
     Float8 square{}, along{};
     for (int axis = 0; axis < 3; ++axis) {
@@ -309,8 +303,9 @@ VDBLIC_INLINE void RayKernel::absorb(Lanes& lanes, Int8 which, const Sample& sam
     // A sample's leaf holds values up to half a voxel before it, no more.
     const Float8 half = (sample.distance - previous) * 0.5f, most = broadcast8(kMostBack * mPerStep);
     const Float8 distance = sample.distance - (half < most ? half : most), back = (distance - sample.distance) * mStep;
-    const Float8 place[] = {sample.place[0] + lanes.direction[0] * back, sample.place[1] + lanes.direction[1] * back,
-                            sample.place[2] + lanes.direction[2] * back};
+    Float8 place[3]; // relative to the first voxels of their leaves
+    for (int axis = 0; axis < 3; ++axis)
+        place[axis] = sample.cells.position(axis) + lanes.direction[axis] * back;
     const Int8 entries = mLook.transfer.entries(mVolume.drivers().at(sample.leaf, place));
     Float8 power;
     for (int lane = 0; lane < kLanes; ++lane)

@@ -46,7 +46,7 @@ class RayKernel {
     [[gnu::noinline]] void interpolateCubic(Sample& result, unsigned which) const;
     [[gnu::noinline]] void skipLeaves(const Lanes& lanes, const Sample& sample, Int8& next) const;
     [[gnu::noinline]] unsigned findHidden(unsigned lanes, const Sample& sample) const;
-    [[gnu::noinline]] void findFlanks(const Sample& sample, const Float8* view, Float8& result) const;
+    void findFlanks(const Sample& sample, const Float8* view, Float8& result) const;
 
     const TextureVolume& mVolume;
     TextureSampler mTexture;

@@ -6,7 +6,6 @@
 #include "vdblic/volume/texture_volume.h"
 
 #include <cstddef>
-#include <cstring>
 
 namespace vdblic {
 
@@ -15,15 +14,13 @@ namespace vdblic {
 template<typename Add>
 VDBLIC_INLINE void forExtinctions(const TextureVolume& volume, const Look& look, std::size_t leaf, const Add& add)
 {
-    using Short8 = TextureRecord __attribute__((vector_size(16)));
     const TextureScale scale = volume.scale(leaf);
     const int least = scale.recordAbove(look.hiddenTexture()); // records below are hidden
     for (int x = 0; x < LeafVoxel::kDim; ++x) {
         const auto shown = volume.shown(leaf).getWord<openvdb::Index64>(openvdb::Index(x));
         for (int y = 0; y < LeafVoxel::kDim; ++y) {
-            Short8 row;
-            std::memcpy(&row, volume.records(leaf) + TextureLeaf::index(x, y, 0), sizeof row);
-            const Int8 records = __builtin_convertvector(row, Int8);
+            const TextureRecord* const row = volume.records(leaf) + TextureLeaf::index(x, y, 0);
+            const Int8 records = loadShorts(row, row + kLanes / 2);
             const Int8 seen = (records >= least) & maskOf(unsigned(shown >> (LeafVoxel::kDim * y)) & 0xff);
             if (!anyOf(seen)) continue;
             const Float8 texture = scale.low + __builtin_convertvector(records, Float8) * scale.perUnit;

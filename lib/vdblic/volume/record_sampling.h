@@ -12,11 +12,7 @@ namespace vdblic {
 /// Eight numbers as floats.
 VDBLIC_INLINE Float8 loadBFloat16s(const BFloat16* values)
 {
-    using Short8 = BFloat16 __attribute__((vector_size(16)));
-    using Bits8 = std::uint32_t __attribute__((vector_size(32)));
-    Short8 upper;
-    std::memcpy(&upper, values, sizeof upper);
-    return __builtin_bit_cast(Float8, __builtin_convertvector(upper, Bits8) << 16);
+    return __builtin_bit_cast(Float8, loadShorts(values, values + kLanes / 2) << 16);
 }
 
 VDBLIC_INLINE Float8 mix(Float8 from, Float8 to, Float8 share)
@@ -29,6 +25,7 @@ struct Cells {
     Int8 low[3];        ///< lattice points at their lowest corners
     Float8 fraction[3]; ///< positions in the cells, 0 to 1
 
+    Cells() = default;
     /// @param position above −1, along each axis
     VDBLIC_INLINE explicit Cells(const Float8* position)
     {
@@ -36,6 +33,11 @@ struct Cells {
             low[axis] = __builtin_convertvector(position[axis] + 1, Int8) - 1;
             fraction[axis] = position[axis] - __builtin_convertvector(low[axis], Float8);
         }
+    }
+    /// The positions along an axis.
+    [[nodiscard]] VDBLIC_INLINE Float8 position(int axis) const
+    {
+        return __builtin_convertvector(low[axis], Float8) + fraction[axis];
     }
 };
 
@@ -84,17 +86,6 @@ VDBLIC_INLINE Unsigned8 loadWords(const TextureRecord* records, const std::uint3
 VDBLIC_INLINE ZPair asPair(Unsigned8 words)
 {
     return {__builtin_convertvector(Int8(words & 0xffff), Float8), __builtin_convertvector(Int8(words >> 16), Float8)};
-}
-/// Four records from each of two places.
-VDBLIC_INLINE Float8 loadFours(const TextureRecord* first, const TextureRecord* second)
-{
-    using Short8 = TextureRecord __attribute__((vector_size(16)));
-    using Words2 = std::uint64_t __attribute__((vector_size(16)));
-    std::uint64_t words[2];
-    std::memcpy(&words[0], first, sizeof words[0]);
-    std::memcpy(&words[1], second, sizeof words[1]);
-    const auto records = __builtin_bit_cast(Short8, Words2{words[0], words[1]});
-    return __builtin_convertvector(__builtin_convertvector(records, Int8), Float8);
 }
 
 /// Weights of the four next points in cubic convolution (Keys, "Cubic convolution interpolation for digital image
@@ -190,10 +181,12 @@ class TextureSampler {
             };
             const Float8 before = twice(0), after = twice(2);
             const TextureRecord* records = mRecords + at[lane];
+            const auto fours = [&](int y) {
+                return __builtin_convertvector(loadShorts(records + y * kY, records + (y + 1) * kY), Float8);
+            };
             Float8 sum{};
             for (int x = 0; x < kTaps; ++x, records += kX) {
-                const Float8 plane =
-                    loadFours(records, records + kY) * before + loadFours(records + 2 * kY, records + 3 * kY) * after;
+                const Float8 plane = fours(0) * before + fours(2) * after;
                 sum += plane * xs[x][lane];
             }
             rows[lane] = __builtin_shufflevector(sum, sum, 0, 1, 2, 3) + __builtin_shufflevector(sum, sum, 4, 5, 6, 7);

@@ -105,17 +105,13 @@ VDBLIC_KERNEL
 void cellsByTexture(const TextureVolume& volume, const Look& look, std::size_t leaf, std::uint16_t* rows)
 {
     const std::int32_t first = volume.scale(leaf).recordAbove(look.hiddenTexture());
-    using Short8 = TextureRecord __attribute__((vector_size(16)));
     std::uint16_t corners[ScalarLeaf::kDim][ScalarLeaf::kDim]; // a bit for each voxel that can be seen
     for (int x = 0; x < ScalarLeaf::kDim; ++x) {
         for (int y = 0; y < ScalarLeaf::kDim; ++y) {
             const TextureRecord* const row = volume.records(leaf) + TextureLeaf::index(x - 1, y - 1, -1);
             unsigned bits = 0;
-            for (const int from : {0, ScalarLeaf::kDim - kLanes}) { // twice eight of ten
-                Short8 eight;
-                std::memcpy(&eight, row + from, sizeof eight);
-                bits |= laneBits(__builtin_convertvector(eight, Int8) >= first) << from;
-            }
+            for (const int from : {0, ScalarLeaf::kDim - kLanes}) // twice eight of ten
+                bits |= laneBits(loadShorts(row + from, row + from + kLanes / 2) >= first) << from;
             corners[x][y] = std::uint16_t(bits | bits >> 1);
         }
     }
