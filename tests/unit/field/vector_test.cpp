@@ -100,5 +100,15 @@ TEST(Vector, WholeNumbersBecomeTheSameDoubles)
         EXPECT_EQ(doubles[i], double(numbers[i])) << i;
 }
 
+TEST(LoadShorts, WidensFourNumbersFromEachPlace)
+{
+    constexpr std::uint16_t kShorts[] = {0, 1, 0x7fff, 0x8000, 0xffff, 5, 6, 7, 8};
+    const Int8 numbers = loadShorts(kShorts + 1, kShorts + 5);
+    for (int lane = 0; lane < kLanes; ++lane)
+        EXPECT_EQ(numbers[lane], kShorts[lane + 1]);
+    EXPECT_EQ(loadShorts(kShorts + 4, kShorts)[0], 0xffff);
+    EXPECT_EQ(loadShorts(kShorts + 4, kShorts)[7], 0x8000);
+}
+
 } // namespace
 } // namespace vdblic
